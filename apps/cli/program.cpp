@@ -209,8 +209,13 @@ std::string refusal_of(const CLI::App& tuina, const std::string& first,
     const std::vector<std::string> words = tuina.remaining(true);
     const bool lacks = dynamic_cast<const CLI::RequiredError*>(&error) != nullptr ||
                        dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr;
-    return brief(lacks && !words.empty() ? refusal_of_words(chosen_by(tuina), words)
-                                         : std::string(error.what()));
+    // "--out: At Most 1 required but received 2", of an option that is given twice.
+    const std::string said = error.what();
+    constexpr std::string_view too_many = ": At Most 1 required but received ";
+    if (const auto at = said.find(too_many); at != std::string::npos)
+      return brief(fmt::format("{} is given {} times; once is right", said.substr(0, at),
+                               said.substr(at + too_many.size())));
+    return brief(lacks && !words.empty() ? refusal_of_words(chosen_by(tuina), words) : said);
   }
   return brief(fmt::format("there is no verb `{}`; {}", first, suggestion(first, verbs)));
 }

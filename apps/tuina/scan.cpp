@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <cctype>
 #include <cmath>
 #include <filesystem>
 #include <map>
@@ -132,22 +133,22 @@ class ScanVerb final : public Verb {
 
   [[nodiscard]] Result<Answer> run(const CommonOptions& common) override {
     const bool real = !device_.empty() || !camera_.empty() || !turntable_.empty();
-    if ((person_.empty() ? 0 : 1) + (replay_.empty() ? 0 : 1) + (real ? 1 : 0) != 1) {
+    if ((person_.empty() ? 0 : 1) + (replay_.empty() ? 0 : 1) + (real ? 1 : 0) != 1)
       return fail(Fault::usage,
                   "scan needs one of --person (a simulated one), --replay (a recorded sweep) and "
                   "--device, or --camera with --turntable (a real scanner)");
-    }
     if (real && stop_and_shoot_)
       return fail(Fault::usage,
                   "--stop-and-shoot needs a camera that waits for the unit; a real one does not");
     const auto config = effective_config(common);
     if (!config) return tl::unexpected(config.error());
     if (const auto good = check_folder_of(out_); !good) return tl::unexpected(good.error());
-    const std::string ending = fs::path(out_).extension();
+    std::string ending = fs::path(out_).extension();
+    for (char& letter : ending) letter = static_cast<char>(std::tolower(letter));
     if (!format_.empty() && (ending == ".ply" || ending == ".pcd") &&
-        !format_.starts_with(ending.substr(1))) {
+        !format_.starts_with(ending.substr(1)))
       return fail(Fault::usage, "--format {}: the name of --out {} says otherwise", format_, out_);
-    }
+    if (format_.empty() && ending == ".pcd") format_ = "pcd";
     if (const auto good = known_bodies_.begin(); !good) return tl::unexpected(good.error());
     if (const auto begun = ros2_.begin(); !begun) return tl::unexpected(begun.error());
     if (ros2_.node() != nullptr) told_.emplace(*ros2_.node());
@@ -267,8 +268,7 @@ class ScanVerb final : public Verb {
     if (const auto good = known_bodies_.check(scan.cloud_in_couch, json, text); !good)
       return tl::unexpected(good.error());
     if (!out_.empty()) {
-      const bool pcd = format_.empty() && fs::path(out_).extension() == ".pcd";
-      const auto format = cloud_format(pcd ? "pcd" : format_).value_or(CloudFormat::ply_binary);
+      const auto format = cloud_format(format_).value_or(CloudFormat::ply_binary);
       const auto written = write_cloud(out_, scan.cloud_in_couch, format);
       if (!written) return tl::unexpected(written.error());
     }

@@ -191,6 +191,12 @@ TEST_CASE("names too long for a message or a folder are refused in words") {
   CHECK(scan.err.find("File name too long") != std::string::npos);
 }
 
+TEST_CASE("an option that is given twice is told so") {
+  const auto twice = run_tuina({"doctor", "--out", "a.json", "--out", "b.json"});
+  CHECK(twice.exit_code == 1);
+  CHECK(twice.err.find("--out is given 2 times; once is right") != std::string::npos);
+}
+
 TEST_CASE("two results do not go into one file") {
   const Folder folder;
   const std::string file = folder / "both.csv";

@@ -136,6 +136,19 @@ TEST_CASE("evaluate scanner answers for the parts that were asked for, with a pa
   CHECK(run_tuina({"evaluate", "scanner", "--calibration", "guessed"}).exit_code == 1);
 }
 
+TEST_CASE("a cloud is written as its name ends, in capitals, too") {
+  const Folder folder;
+  record_box(folder / "sweep");
+  for (const auto& [name, begins] :
+       {std::pair{"s.PCD", "# .PCD"}, std::pair{"s.pcd", "# .PCD"}, std::pair{"s.PLY", "ply"}}) {
+    CAPTURE(name);
+    const auto scan =
+        run_tuina({"scan", "--replay", folder / "sweep", "--out", folder / name, "--quiet"});
+    REQUIRE_MESSAGE(scan.exit_code == 0, scan.err);
+    CHECK(tuina::read_file(folder / name).value().starts_with(begins));
+  }
+}
+
 TEST_CASE("wrong use of scan is told from bad input, and leaves no file") {
   const Folder folder;
   const std::string out = folder / "scan.ply";
