@@ -6,6 +6,7 @@
 #include <set>
 
 #include "tests/folder.hpp"
+#include "tests/motion/ready_for.hpp"
 #include "tuina/motion/arm_move.hpp"
 #include "tuina/motion/ready_plan.hpp"
 #include "tuina/motion/rollout.hpp"
@@ -14,38 +15,7 @@
 #include "tuina/sim/person/person.hpp"
 
 using namespace tuina;
-
-namespace {
-
-motion::ReadyPlan ready_for(const char* who, BodyPosture position, const char* what,
-                            std::uint64_t seed, const char* robot = "thesis") {
-  const auto person = sim::parse_person(who, position, seed);
-  REQUIRE(person.has_value());
-  PointCloud skin_in_couch;
-  skin_in_couch.points = person->skin_in_couch.vertices;
-  const auto back = body::fit_back(skin_in_couch, {.position = position});
-  REQUIRE(back.has_value());
-  const auto programme = massage::load_programme(what);
-  REQUIRE(programme.has_value());
-  auto plan = massage::plan(*back, person->acupoints, person->landmarks, *programme);
-  REQUIRE(plan.has_value());
-  const robot::RobotPlacement placement =
-      robot::place_robot(robot::load_robot(robot).value(), position);
-  const robot::RobotMount& mount = placement.mount;
-  const auto models = robot::both_models(placement.arm, mount);
-  auto ready =
-      motion::make_ready(std::move(*plan), *back, mount, models, mount.base_from_couch, 40e-3);
-  REQUIRE(ready.has_value());
-  for (const Arm arm : both_arms) {
-    const Transform tool = models[arm].base_from_tool(ready->ready_rad[arm], ready->rail_m);
-    const Vector3 tip = control::tip_pose(tool, models[arm].table().tool_radius_m).at_in_base;
-    // A tool that waits keeps off the person, wherever the base stands.
-    CHECK(motion::height_above_skin_m(*back, mount.base_from_couch.inverse() * tip) >= 40e-3);
-  }
-  return std::move(*ready);
-}
-
-}  // namespace
+using test::ready_for;
 
 TEST_CASE("arms that would wait in the robot's own body are refused") {
   const auto person = sim::parse_person("phantom:medium", BodyPosture::prone, 5).value();

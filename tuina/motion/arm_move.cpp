@@ -156,13 +156,25 @@ ArmMove move_home(const Stage& stage, Arm arm, const ArmRest& from) {
   return move;
 }
 
-/// True when the arm returns to its home configuration, not only to the home pose: with the wrist
-/// flipped the posture springs would swing it round.
-bool returns_home(const Stage& stage, Arm arm, const ArmRest& from) {
-  const ArmMove home = move_home(stage, arm, from);
+bool gets_there(const ArmMove& move) {
+  return move.transfer.tool_error_m <= max_tool_error_m &&
+         move.clear.min_m() >= closest_arm_distance_m;
+}
+
+bool comes_home(const Stage& stage, Arm arm, const ArmMove& home) {
   const double missed_rad = (home.after.q_rad - stage.ready_rad[arm]).cwiseAbs().maxCoeff();
-  return home.transfer.tool_error_m <= max_tool_error_m && missed_rad <= max_posture_error_rad &&
-         home.clear.min_m() >= closest_arm_distance_m;
+  return gets_there(home) && missed_rad <= max_posture_error_rad;
+}
+
+ArmMove move_aside(const Stage& stage, Arm arm, const ArmRest& from, const Vector3& by_in_couch) {
+  const ApproachPose there = {.at_in_couch = from.over.at_in_couch + by_in_couch,
+                              .normal_in_couch = from.over.normal_in_couch};
+  ArmMove move{.waypoints_in_base =
+                   free_path(stage.back, from.over, there, clear_m(stage), stage.base_from_couch),
+               .posture_rad = from.q_rad};
+  move.transfer_s = transfer_time_s(pose_of(stage, from.over), move.waypoints_in_base);
+  roll_out(stage, arm, from, move, {}, there, there);
+  return move;
 }
 
 /// Branch of the inverse kinematics: an arm of six joints passes from one to another through a
@@ -238,14 +250,15 @@ Result<ArmMove> move_to_path(const Stage& stage, Arm arm, const ArmRest& from,
     if (best && cost_m >= min_cost)
       continue;  // the return home is expensive to roll out, so it is checked last
     const double tool_error_m = std::max(move.transfer.tool_error_m, move.contact.tool_error_m);
-    const char* wrong =
-        tool_error_m > max_tool_error_m                    ? "on the way to it the arm gets stuck"
-        : move.contact.elbow_height_m < min_elbow_height_m ? "the elbow would be in the person"
-        : move.clear.min_m() < closest_arm_distance_m
-            ? "the arm would come too near to the couch or to the robot's body"
-        : misses_configuration(move)            ? "the arm would come there another way round"
-        : !returns_home(stage, arm, move.after) ? "from there the arm does not find its way home"
-                                                : nullptr;
+    const char* wrong = tool_error_m > max_tool_error_m ? "on the way to it the arm gets stuck"
+                        : move.contact.elbow_height_m < min_elbow_height_m
+                            ? "the elbow would be in the person"
+                        : move.clear.min_m() < closest_arm_distance_m
+                            ? "the arm would come too near to the couch or to the robot's body"
+                        : misses_configuration(move) ? "the arm would come there another way round"
+                        : !comes_home(stage, arm, move_home(stage, arm, move.after))
+                            ? "from there the arm does not find its way home"
+                            : nullptr;
     if (wrong != nullptr) {
       if (!best) best = fail(Fault::not_found, "{}", wrong);
       continue;

@@ -60,6 +60,18 @@ struct ArmMove {
 /// Plans the move from a rest back to where the arm waits.
 [[nodiscard]] ArmMove move_home(const Stage& stage, Arm arm, const ArmRest& from);
 
+/// True when the arm does not get stuck on its way, nor come too near to the couch or the robot's
+/// body.
+[[nodiscard]] bool gets_there(const ArmMove& move);
+/// True when the arm comes to its home configuration, not only to the home pose: with the wrist
+/// flipped the posture springs would swing it round.
+[[nodiscard]] bool comes_home(const Stage& stage, Arm arm, const ArmMove& home);
+
+/// Plans a move of the tool by `by_in_couch` in the posture that the arm has, which keeps its elbow
+/// from coming nearer to the other arm.
+[[nodiscard]] ArmMove move_aside(const Stage& stage, Arm arm, const ArmRest& from,
+                                 const Vector3& by_in_couch);
+
 /// Plans the move to a path: of the configurations that follow the path, the cheapest that the
 /// transfer really ends in. Fails when no configuration follows the path.
 [[nodiscard]] Result<ArmMove> move_to_path(const Stage& stage, Arm arm, const ArmRest& from,

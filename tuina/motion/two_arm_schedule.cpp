@@ -23,6 +23,7 @@ TwoArmSchedule::TwoArmSchedule(Stage stage)
       stage_(std::move(stage)) {
   for (const Arm arm : both_arms) rest_[arm] = rest_at_ready(stage_, arm);
   min_arm_distance_m = apart_m(rest_[Arm::left].stay, rest_[Arm::right].stay);
+  marks_.push_back(mark());
 }
 
 double TwoArmSchedule::apart_m(const JointPath& left, const JointPath& right) const {
@@ -100,6 +101,14 @@ void TwoArmSchedule::add_contacts(const Moves& moves, const PerArm<Planned>& pla
   end_s = std::max(end_s + transfer_s, off_s);
   ++job_step_;
   ++path_step_;
+  marks_.push_back(mark());
+}
+
+void TwoArmSchedule::leave_out(const massage::PlannedPath& planned, double apart_m) {
+  ++left_out;
+  notes.push_back(sentence("note_arms_too_close",
+                           "{} is left out: the arms would come within {:.0f} mm",
+                           planned.path.name, to_mm(std::max(apart_m, 0.0))));
 }
 
 Result<ArmMove> TwoArmSchedule::plan_move(Arm arm, const massage::PlannedPath& planned) const {
@@ -214,10 +223,7 @@ void TwoArmSchedule::plan_single(Arm arm, const massage::PlannedPath& planned) {
     return plan_single(arm, planned);
   }
   if (apart < closest_arm_distance_m) {
-    ++left_out;
-    notes.push_back(sentence("note_arms_too_close",
-                             "{} is left out: the arms would come within {:.0f} mm",
-                             planned.path.name, to_mm(apart)));
+    leave_out(planned, apart);
     return;
   }
   min_arm_distance_m = std::min(min_arm_distance_m, apart);
@@ -240,38 +246,6 @@ void TwoArmSchedule::add_step(PerArm<Planned> planned) {
   for (const Arm arm : both_arms) {
     if (planned[arm] != nullptr) plan_single(arm, *planned[arm]);
   }
-}
-
-void TwoArmSchedule::finish() {
-  PerArm<ArmMove> home;
-  for (const Arm arm : both_arms) home[arm] = move_home(stage_, arm, rest_[arm]);
-  const auto leave = [&](Arm arm) {
-    if (!rest_[arm].parked) add_transfer(arm, home[arm]);
-  };
-  const double at_once_m = apart_m(home[Arm::left].transfer, home[Arm::right].transfer);
-  const auto first_m = [&](Arm arm) {
-    return std::min(apart_m(arm, home[arm].transfer, rest_[other(arm)].stay),
-                    apart_m(other(arm), home[other(arm)].transfer, home[arm].after.stay));
-  };
-  const double left_m = first_m(Arm::left), right_m = first_m(Arm::right);
-  if (at_once_m >= wanted_arm_distance_m || at_once_m >= std::max(left_m, right_m)) {
-    min_arm_distance_m = std::min(min_arm_distance_m, at_once_m);
-    double max_duration_s = 0.0;
-    for (const Arm arm : both_arms) {
-      if (rest_[arm].parked) continue;
-      add_job(arm, -1, home[arm].waypoints_in_base, home[arm].posture_rad);
-      clear.take_least(home[arm].clear);
-      max_duration_s = std::max(max_duration_s, home[arm].transfer_s);
-      rest_[arm] = home[arm].after;
-    }
-    end_s += max_duration_s;
-    ++job_step_;
-    return;
-  }
-  min_arm_distance_m = std::min(min_arm_distance_m, std::max(left_m, right_m));
-  const Arm first = left_m >= right_m ? Arm::left : Arm::right;
-  leave(first);
-  leave(other(first));
 }
 
 }  // namespace tuina::motion

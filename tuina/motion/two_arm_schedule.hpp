@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,7 +21,8 @@ class TwoArmSchedule {
   /// Adds one step of the plan, at most one path per arm. Infeasible paths are left out, with the
   /// reason in `notes`.
   void add_step(PerArm<const massage::PlannedPath*> paths);
-  /// Moves both arms back to their start.
+  /// Moves both arms back to their start. Leaves the last paths out, with the reason in `notes`,
+  /// where no way back keeps the arms apart.
   void finish();
 
   /// Paths that are kept, with their new steps and times, and the jobs of each arm in order.
@@ -48,7 +50,40 @@ class TwoArmSchedule {
   [[nodiscard]] massage::PlannedPath bearable(const massage::PlannedPath& planned, double mass_kg);
   void add_job(Arm arm, int path, const std::vector<control::ToolPose>& way,
                const JointVector& posture_rad);
+  void leave_out(const massage::PlannedPath& planned, double apart_m);
 
+  /// Ways of both arms home: at once, or one after the other.
+  struct WayHome {
+    PerArm<ArmMove> moves;
+    bool at_once = false;
+    Arm first = Arm::left;
+    double apart_m = 0.0;
+  };
+  /// A move of one arm out of the other one's way, and the ways home after it.
+  struct WayRound {
+    Arm arm = Arm::left;
+    ArmMove aside;
+    WayHome home;
+    double apart_m = 0.0;
+  };
+  [[nodiscard]] WayHome way_home(const PerArm<ArmRest>& rest) const;
+  [[nodiscard]] std::optional<WayRound> way_round() const;
+  void go_home(const WayHome& way);
+
+  /// How far the plan was, with both arms at home and after each contact since.
+  struct Mark {
+    PerArm<ArmRest> rest;
+    PerArm<std::size_t> jobs;
+    std::size_t paths;
+    double min_arm_distance_m;
+    robot::Clearances clear;
+    double end_s, lowered_n;
+    int job_step, path_step;
+  };
+  [[nodiscard]] Mark mark() const;
+  void leave_last_out(double apart_m);
+
+  std::vector<Mark> marks_;
   Stage stage_;
   PerArm<ArmRest> rest_;
   int job_step_ = 0;
