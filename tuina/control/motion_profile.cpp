@@ -128,6 +128,16 @@ bool MotionProfile::plan(const MotionState& start, double goal,
   return true;
 }
 
+bool MotionProfile::plan_stop(const MotionState& start, const MotionLimits& limits) noexcept {
+  if (!usable(start, 0.0, limits)) return false;
+  const Stretches stop = change_speed(start, 0.0, limits);
+  start_ = start;
+  goal_ = after(start, stop).at;
+  stretches_ = {stop[0], stop[1], stop[2]};
+  duration_s_ = stop[0].duration_s + stop[1].duration_s + stop[2].duration_s;
+  return true;
+}
+
 // A lower speed limit stretches the motion without bound, so some limit gives the wanted duration.
 bool MotionProfile::plan_in(double duration_s, const MotionState& start, double goal,
                             const MotionLimits& limits) noexcept {

@@ -36,6 +36,9 @@ class MotionProfile {
   [[nodiscard]] bool plan_in(double duration_s, const MotionState& start, double goal,
                              const MotionLimits& limits) noexcept;
 
+  /// Comes to rest as soon as it can, wherever that is. False as in `plan`.
+  [[nodiscard]] bool plan_stop(const MotionState& start, const MotionLimits& limits) noexcept;
+
   /// State at a time since the plan; at rest at the goal after `duration_s`.
   [[nodiscard]] MotionState at(double time_s) const noexcept;
   [[nodiscard]] double duration_s() const noexcept { return duration_s_; }

@@ -7,138 +7,120 @@
 namespace tuina::control {
 namespace {
 
-// Three axes, the first along `direction`.
-Matrix3 axes_along(const Vector3& direction) {
-  if (direction.norm() < 1e-9) return Matrix3::Identity();
-  Matrix3 axes;
-  axes.col(0) = direction.normalized();
-  axes.col(1) = axes.col(0).unitOrthogonal();
-  axes.col(2) = axes.col(0).cross(axes.col(1));
-  return axes;
+// A goal so near to the line or the circle of a motion under way is on it.
+constexpr double on_line_m = 1e-9, on_circle_rad = 1e-9;
+
+Vector3 turned(const Vector3& normal, const Vector3& axis, double angle_rad) {
+  return Eigen::AngleAxisd(angle_rad, axis) * normal;
 }
 
-// The shortest rotation vector w with exp(w) from = to.
-Vector3 rotation_between(const Vector3& from, const Vector3& to) {
+// The axis, across both, about which `from` turns into `to` by the smaller angle.
+Vector3 axis_between(const Vector3& from, const Vector3& to) {
   const Vector3 axis = from.cross(to);
-  const double sine = axis.norm();
-  const double angle = std::atan2(sine, from.dot(to));
-  if (sine < 1e-12) return angle < 1.0 ? Vector3(axis) : Vector3(angle * from.unitOrthogonal());
-  return axis * (angle / sine);
+  return axis.norm() > 1e-12 ? Vector3(axis.normalized()) : Vector3(from.unitOrthogonal());
 }
 
-Vector3 turned(const Vector3& normal, const Vector3& w) {
-  const double angle = w.norm();
-  if (angle < 1e-12) return (normal + w.cross(normal)).normalized();
-  return Eigen::AngleAxisd(angle, w / angle) * normal;
-}
-
-// Plans three axes towards zero within the limit of the velocity's norm: the first axis gets what
-// the lateral motion left over from an interruption does not need.
-bool plan_axes(std::array<MotionProfile, 3>& axes, const Matrix3& base_from_axes, const Vector3& at,
-               const Vector3& velocity, const Vector3& acceleration, const MotionLimits& limits,
-               double duration_s) {
-  const Vector3 p = base_from_axes.transpose() * at;
-  const Vector3 v = base_from_axes.transpose() * velocity;
-  const Vector3 a = base_from_axes.transpose() * acceleration;
-  const bool straight = v.tail<2>().norm() < 1e-6 * limits.speed_per_s &&
-                        a.tail<2>().norm() < 1e-6 * limits.acceleration_per_s2;
-  const double along = straight ? 1.0 : 0.8, across = 0.42;
-  Vector2 coast;
-  for (int i = 0; i < 2; ++i) {
-    coast[i] = std::abs(v[1 + i]) + a[1 + i] * a[1 + i] / (2.0 * across * limits.jerk_per_s3);
-  }
-  const double left = std::sqrt(
-      std::max(1.0 - coast.squaredNorm() / (limits.speed_per_s * limits.speed_per_s), 0.0));
-  const std::array<double, 3> speed_share = {straight ? 1.0 : std::clamp(left, 0.2, 0.8), across,
-                                             across};
-  const std::array<double, 3> other_share = {along, across, across};
-  bool planned = true;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const MotionLimits share = {speed_share[i] * limits.speed_per_s,
-                                other_share[i] * limits.acceleration_per_s2,
-                                other_share[i] * limits.jerk_per_s3};
-    const auto k = static_cast<Eigen::Index>(i);
-    planned = planned && axes[i].plan_in(duration_s, {p[k], v[k], a[k]}, 0.0, share);
-  }
-  return planned;
-}
-
-double longest(const std::array<MotionProfile, 3>& axes) {
-  return std::max({axes[0].duration_s(), axes[1].duration_s(), axes[2].duration_s()});
-}
-
-Vector3 value(const std::array<MotionProfile, 3>& axes, double time_s) {
-  return {axes[0].at(time_s).at, axes[1].at(time_s).at, axes[2].at(time_s).at};
-}
-
-Vector3 speed(const std::array<MotionProfile, 3>& axes, double time_s) {
-  return {axes[0].at(time_s).speed_per_s, axes[1].at(time_s).speed_per_s,
-          axes[2].at(time_s).speed_per_s};
-}
-
-Vector3 acceleration(const std::array<MotionProfile, 3>& axes, double time_s) {
-  return {axes[0].at(time_s).acceleration_per_s2, axes[1].at(time_s).acceleration_per_s2,
-          axes[2].at(time_s).acceleration_per_s2};
+// Angle about `axis`, which is across both, that turns `from` into `to`.
+double angle_about(const Vector3& axis, const Vector3& from, const Vector3& to) {
+  return std::atan2(axis.dot(from.cross(to)), from.dot(to));
 }
 
 }  // namespace
 
-void ToolMotion::start(const ToolPose& pose) noexcept {
-  *this = ToolMotion();
-  goal_ = pose;
+bool ToolMotion::Way::go_on(const Way& from, double time_s, bool leads_there,
+                            const MotionLimits& limits) noexcept {
+  begins = from.at(time_s);
+  begins.at = 0.0;
+  const bool moves = begins.speed_per_s != 0.0 || begins.acceleration_per_s2 != 0.0;
+  if (!moves || leads_there) {
+    axis = from.axis_at(time_s);
+    return true;
+  }
+  stop_axis = from.axis_at(time_s);
+  const bool stops = stop.plan_stop(begins, limits);
+  begins = {};
+  return stops;
 }
 
+bool ToolMotion::Way::plan_in(double duration_s, const MotionLimits& limits) noexcept {
+  return rest.plan_in(duration_s - stop.duration_s(), begins, 0.0, limits);
+}
+
+MotionState ToolMotion::Way::at(double time_s) const noexcept {
+  return stops(time_s) ? stop.at(time_s) : rest.at(time_s - stop.duration_s());
+}
+
+const Vector3& ToolMotion::Way::axis_at(double time_s) const noexcept {
+  return stops(time_s) ? stop_axis : axis;
+}
+
+double ToolMotion::Way::duration_s() const noexcept {
+  return stop.duration_s() + rest.duration_s();
+}
+
+void ToolMotion::start(const ToolPose& pose) noexcept {
+  *this = ToolMotion();
+  from_ = goal_ = pose;
+}
+
+// Turned aside at full speed a tool would exceed its limits, and no turn about a goal that lies
+// nearly opposite has coordinates that stay bounded: so a tool comes to rest before it leaves its
+// line.
 bool ToolMotion::plan(double time_s, const ToolPose& goal, const Limits& limits) noexcept {
   if (!goal.at_in_base.allFinite() || !goal.normal_in_base.allFinite() ||
       goal.normal_in_base.norm() < 1e-6) {
     return false;
   }
   ToolMotion next;
+  next.from_ = pose_at(time_s);
   next.goal_ = {goal.at_in_base, goal.normal_in_base.normalized()};
-  const ToolReference now = at(time_s);
-
-  const Vector3 to_goal = now.pose.at_in_base - next.goal_.at_in_base;
-  next.base_from_travel_ = axes_along(-to_goal);
-  const Vector3 travel_acceleration = base_from_travel_ * acceleration(travel_, time_s);
-
-  // Rotation vectors are relative to the goal normal, so a new goal means new coordinates. The
-  // state is converted by sampling the old motion at three instants.
-  constexpr double h = 1e-4;
-  const auto turn_at = [&](double t) {
-    return rotation_between(next.goal_.normal_in_base, at(t).pose.normal_in_base);
+  const Vector3 to_goal = next.goal_.at_in_base - next.from_.at_in_base;
+  const bool on_line = to_goal.cross(travel_.axis_at(time_s)).norm() < on_line_m;
+  const auto along_axis = [&](const ToolPose& pose) {
+    return std::abs(pose.normal_in_base.dot(turn_.axis_at(time_s)));
   };
-  const Vector3 turn = turn_at(time_s);
-  Vector3 turn_speed = Vector3::Zero(), turn_acceleration = Vector3::Zero();
-  if (time_s < duration_s_) {
-    const double t = std::max(time_s, h);
-    const Vector3 before = turn_at(t - h), behind = turn_at(t + h), here = turn_at(t);
-    turn_speed = (behind - before) / (2.0 * h);
-    turn_acceleration = (behind - 2.0 * here + before) / (h * h);
+  const bool on_circle = along_axis(next.from_) + along_axis(next.goal_) < on_circle_rad;
+  if (!next.travel_.go_on(travel_, time_s, on_line, limits.travel) ||
+      !next.turn_.go_on(turn_, time_s, on_circle, limits.turning)) {
+    return false;
   }
-  next.base_from_turn_ = axes_along(-turn);
 
-  double duration_s = 0.0;
+  const ToolPose stop = next.pose_at_stop();
+  const Vector3 way = next.goal_.at_in_base - stop.at_in_base;
+  if (!on_line && way.norm() > 0.0) next.travel_.axis = way.normalized();
+  next.travel_.begins.at = -way.dot(next.travel_.axis);
+  if (!on_circle) next.turn_.axis = axis_between(stop.normal_in_base, next.goal_.normal_in_base);
+  next.turn_.begins.at =
+      -angle_about(next.turn_.axis, stop.normal_in_base, next.goal_.normal_in_base);
+
   for (int round = 0; round < 2; ++round) {
-    if (!plan_axes(next.travel_, next.base_from_travel_, to_goal, now.velocity_m_per_s,
-                   travel_acceleration, limits.travel, duration_s) ||
-        !plan_axes(next.turn_, next.base_from_turn_, turn, turn_speed, turn_acceleration,
-                   limits.turning, duration_s)) {
+    if (!next.travel_.plan_in(next.duration_s_, limits.travel) ||
+        !next.turn_.plan_in(next.duration_s_, limits.turning)) {
       return false;
     }
-    duration_s = std::max(longest(next.travel_), longest(next.turn_));
+    next.duration_s_ = std::max(next.travel_.duration_s(), next.turn_.duration_s());
   }
-  next.duration_s_ = duration_s;
   *this = next;
   return true;
 }
 
+ToolPose ToolMotion::pose_at_stop() const noexcept {
+  return {from_.at_in_base + travel_.stop.goal() * travel_.stop_axis,
+          turned(from_.normal_in_base, turn_.stop_axis, turn_.stop.goal())};
+}
+
+ToolPose ToolMotion::pose_at(double time_s) const noexcept {
+  const double travelled_m = travel_.at(time_s).at, turned_rad = turn_.at(time_s).at;
+  return {
+      (travel_.stops(time_s) ? from_ : goal_).at_in_base + travelled_m * travel_.axis_at(time_s),
+      turned((turn_.stops(time_s) ? from_ : goal_).normal_in_base, turn_.axis_at(time_s),
+             turned_rad)};
+}
+
 ToolReference ToolMotion::at(double time_s) const noexcept {
-  const Vector3 w = base_from_turn_ * value(turn_, time_s);
-  const Vector3 w_speed = base_from_turn_ * speed(turn_, time_s);
-  return {.pose = {goal_.at_in_base + base_from_travel_ * value(travel_, time_s),
-                   turned(goal_.normal_in_base, w)},
-          .velocity_m_per_s = base_from_travel_ * speed(travel_, time_s),
-          .turning_rad_per_s = w_speed};
+  return {.pose = pose_at(time_s),
+          .velocity_m_per_s = travel_.at(time_s).speed_per_s * travel_.axis_at(time_s),
+          .turning_rad_per_s = turn_.at(time_s).speed_per_s * turn_.axis_at(time_s)};
 }
 
 }  // namespace tuina::control

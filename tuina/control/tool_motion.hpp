@@ -37,7 +37,9 @@ struct ToolReference {
 };
 
 /// Jerk-limited motion of the tool from any state to rest at a pose; position and normal arrive
-/// together. From rest the path is straight and the normal turns about one axis.
+/// together. The path is straight and the normal turns about one axis. Where the new goal is not on
+/// the line of a motion under way, that comes to rest first: speed, acceleration and jerk keep
+/// within their limits whatever the goals.
 class ToolMotion {
  public:
   /// Limits of the way of the tool's centre and of its turning.
@@ -60,12 +62,32 @@ class ToolMotion {
   [[nodiscard]] const ToolPose& goal() const noexcept { return goal_; }
 
  private:
+  /// Motion along one direction, or about one axis: what was under way comes to rest, then the way
+  /// to the goal.
+  struct Way {
+    Vector3 stop_axis = Vector3::UnitX(), axis = Vector3::UnitX();  // unit, in base
+    MotionProfile stop;                                             // from where it was planned
+    MotionState begins;  // state in which the way to the goal begins, before the goal
+    MotionProfile rest;  // to the goal, which is zero
+
+    /// Goes on from another way at a time of that: along its line if it leads to the goal. False as
+    /// in `MotionProfile::plan`.
+    [[nodiscard]] bool go_on(const Way& from, double time_s, bool leads_there,
+                             const MotionLimits& limits) noexcept;
+    /// Plans the way to the goal so that both last so long, or as long as they must.
+    [[nodiscard]] bool plan_in(double duration_s, const MotionLimits& limits) noexcept;
+    [[nodiscard]] bool stops(double time_s) const noexcept { return time_s < stop.duration_s(); }
+    [[nodiscard]] MotionState at(double time_s) const noexcept;
+    [[nodiscard]] const Vector3& axis_at(double time_s) const noexcept;
+    [[nodiscard]] double duration_s() const noexcept;
+  };
+  [[nodiscard]] ToolPose pose_at(double time_s) const noexcept;
+  [[nodiscard]] ToolPose pose_at_stop() const noexcept;
+
+  ToolPose from_;  // where it was planned
   ToolPose goal_;
   double duration_s_ = 0.0;
-  Matrix3 base_from_travel_ = Matrix3::Identity();  // first axis: towards the goal
-  Matrix3 base_from_turn_ = Matrix3::Identity();    // first axis: rotation axis to the goal
-  std::array<MotionProfile, 3> travel_;             // relative to the goal, in base_from_travel_
-  std::array<MotionProfile, 3> turn_;               // rotation vector from the goal normal
+  Way travel_, turn_;  // m and rad
 };
 
 }  // namespace tuina::control
