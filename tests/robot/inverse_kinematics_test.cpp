@@ -129,3 +129,16 @@ TEST_CASE("finding a posture takes nothing from the heap, found or not") {
   CHECK(test::allocations() == before);
   CHECK(near.reach != far.reach);
 }
+
+TEST_CASE("a goal that is no number is out of reach") {
+  const double nan = std::nan("");
+  for (const ContactGoal& goal : {ContactGoal{.at_in_base = Vector3(nan, nan, nan)},
+                                  ContactGoal{.at_in_base = ahead(0.4).at_in_base,
+                                  .normal_in_base = Vector3(nan, 0.0, 0.0)}}) {
+    CHECK(find_posture(left, 0.0, goal, ready[Arm::left]).reach != Reach::reached);
+    const std::vector<ContactGoal> path = {ahead(0.4), goal};
+    CHECK_FALSE(follow(left, 0.0, path, ready[Arm::left]).has_value());
+  }
+  CHECK(find_posture(left, 0.0, ahead(0.4), ready[Arm::left], {.press_depth_m = nan}).reach !=
+        Reach::reached);
+}

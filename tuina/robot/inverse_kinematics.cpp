@@ -170,9 +170,10 @@ ContactPosture descend(const Task& task, JointVector q, double cone_rad) {
   }
   ContactPosture posture{
       .q_rad = q, .limit_room_rad = limit_room_rad(table, q), .tilt_rad = state.tilt_rad};
-  if (state.off_m > position_close_m || state.tilt_rad > cone_rad + direction_close_rad) {
+  // Comparisons that hold make it reached: with a goal that is no number none holds.
+  if (!(state.off_m <= position_close_m && state.tilt_rad <= cone_rad + direction_close_rad)) {
     posture.reach = limited ? Reach::joint_limits : Reach::too_far;
-  } else if (state.elbow_height_m < task.options.elbow_clearance_m) {
+  } else if (!(state.elbow_height_m >= task.options.elbow_clearance_m)) {
     posture.reach = Reach::elbow_in_person;
   } else {
     posture.reach = Reach::reached;
@@ -199,7 +200,8 @@ JointVector zero_posture(const ArmTable& table) {
 
 /// No posture reaches farther than the stretched arm, whatever the tilt.
 bool out_of_reach(const Task& task) {
-  return (task.centre_in_base - task.arm.shoulder_in_base(task.rail_m)).norm() > task.arm.reach_m();
+  const Vector3 from_shoulder = task.centre_in_base - task.arm.shoulder_in_base(task.rail_m);
+  return !(from_shoulder.norm() <= task.arm.reach_m());
 }
 
 }  // namespace
