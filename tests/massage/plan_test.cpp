@@ -404,6 +404,24 @@ TEST_CASE(
   CHECK(nothing.error().message.find("the scan shows no skin") != std::string::npos);
 }
 
+TEST_CASE("a stroke that is too short, or turns back, is left out with the reason") {
+  const Person person;
+  for (const auto& [places, why] :
+       {std::pair("[[3.0, 0.9], [3.0, 0.85]]", "mm long: 60 at least"),
+        std::pair("[[3.0, 0.9], [3.0, 0.9]]", "0.0 mm apart: 1 at least"),
+        std::pair("[[3.0, 0.9], [3.0, 0.3], [3.0, 0.8]]", "at place 2: 100 at most")}) {
+    CAPTURE(places);
+    const auto plan =
+        massage::plan(person.back, person.points, {},
+                      programme_of("[[part]]\ntechnique = \"press\"\npoints = [\"BL47\"]\n"
+                                   "[[part]]\ntechnique = \"stroke\"\nplaces = " +
+                                   std::string(places) + "\n"));
+    REQUIRE_MESSAGE(plan.has_value(), test::reason(plan));
+    CHECK(plan->paths.size() == 2);
+    CHECK(noted(*plan, why));
+  }
+}
+
 TEST_CASE("a place in a hole of the scan is left out, and only that") {
   const Person person;
   const Vector3 at = person.points[2].at_in_couch;  // BL47_L

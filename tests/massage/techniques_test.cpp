@@ -234,6 +234,53 @@ TEST_CASE("a stroke runs through its points from the upper to the lower at one s
   CHECK(fastest == doctest::Approx(0.06).epsilon(0.005));
 }
 
+TEST_CASE("a stroke through places unevenly spaced goes past none of them") {
+  const body::BackSurface back = test::wall();
+  const auto line = line_through(
+      back, std::vector<Vector3>{{0.08, 0.1, 0.5}, {0.08, 0.1, 0.31}, {0.08, 0.1, 0.307}});
+  REQUIRE(line.has_value());
+  for (double way = 0.0; way <= line->length_m(); way += 1_mm)
+    CHECK(line->at(way).at_in_couch.z() > 306.5_mm);
+  CHECK(line->length_m() == doctest::Approx(193_mm).epsilon(0.005));
+}
+
+TEST_CASE("a stroke bends gently enough for its speed, and one that folds back is refused") {
+  const body::BackSurface back = test::wall();
+  constexpr double leg_m = 150_mm, max_m_per_s2 = 1.0;
+  int refused = 0;
+  for (const double second_m : {leg_m, 30_mm})
+    for (const double turn : {0_deg, 30_deg, 60_deg, 90_deg, 120_deg, 150_deg, 180_deg}) {
+      const Vector3 corner(0.08, 0.1, 0.35);
+      const Vector3 on = second_m * Vector3(std::sin(turn), 0.0, -std::cos(turn));
+      const auto line = line_through(
+          back, std::vector<Vector3>{corner + leg_m * Vector3::UnitZ(), corner, corner + on});
+      CAPTURE(turn);
+      CAPTURE(second_m);
+      if (!line) {
+        CHECK(line.error().message.find("place 2") != std::string::npos);
+        ++refused;
+        continue;
+      }
+      const ContactPath path = plan_stroke(
+          *line, {.force_n = 12.0, .speed_m_per_s = max_slide_m_per_s, .repeats = 1}, "stroke");
+      double max_push = 0.0;
+      for (std::size_t i = 1; i + 1 < path.points.size(); ++i) {
+        const Vector3 push = (path.points[i + 1].at_in_couch - 2.0 * path.points[i].at_in_couch +
+                              path.points[i - 1].at_in_couch) /
+                             (0.01 * 0.01);
+        max_push = std::max(max_push, push.norm());
+      }
+      CHECK(max_push < max_m_per_s2);
+    }
+  CHECK(refused == 6);
+}
+
+TEST_CASE("a stroke from a place to the same place is refused") {
+  const auto line =
+      line_through(test::wall(), std::vector<Vector3>{{0.08, 0.1, 0.5}, {0.08, 0.1, 0.5}});
+  REQUIRE_FALSE(line.has_value());
+}
+
 TEST_CASE("between two strokes the tool slides back lightly, without leaving the skin") {
   const body::BackSurface back = test::wall();
   const auto line = line_through(back, std::vector<Vector3>{{0.08, 0.1, 0.5}, {0.08, 0.1, 0.3}});

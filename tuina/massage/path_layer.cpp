@@ -223,7 +223,12 @@ Result<SurfaceCurve> PathLayer::line(const Part& part, const Target& target,
       places.push_back(met->at_in_couch);
     }
   }
-  return line_through(back_, places, bend);
+  auto curve = line_through(back_, places, bend);
+  if (curve && curve->length_m() < min_stroke_m) {
+    return fail(Fault::not_found, "the stroke is {:.0f} mm long: {:.0f} at least",
+                to_mm(curve->length_m()), to_mm(min_stroke_m));
+  }
+  return curve;
 }
 
 std::optional<Arm> PathLayer::arm_of(const Vector3& in_couch) const {

@@ -10,12 +10,47 @@
 namespace tuina::massage {
 namespace {
 
-/// A cubic from b to c whose slopes look at a and d (Catmull-Rom).
+/// A cubic from b to c whose slopes look at a and d: Catmull-Rom, centripetal, so that places that
+/// are near each other beside others that are not are not run past. At an end a is b, or d is c.
 Vector3 between(const Vector3& a, const Vector3& b, const Vector3& c, const Vector3& d, double t) {
-  const Vector3 slope_b = 0.5 * (c - a);
-  const Vector3 slope_c = 0.5 * (d - b);
+  const double before = std::sqrt((b - a).norm()), span = std::sqrt((c - b).norm()),
+               behind = std::sqrt((d - c).norm());
+  const auto slope = [&](const Vector3& from, const Vector3& at, const Vector3& to, double first,
+                         double second) {
+    const Vector3 mean = (at - from) / first - (to - from) / (first + second) + (to - at) / second;
+    return Vector3(span * mean);
+  };
+  const Vector3 half = 0.5 * (c - b);
+  const Vector3 slope_b = before > 0.0 ? slope(a, b, c, before, span) : half;
+  const Vector3 slope_c = behind > 0.0 ? slope(b, c, d, span, behind) : half;
   const double s = t * t * (3.0 - 2.0 * t);
   return (1.0 - s) * b + s * c + t * (1.0 - t) * (1.0 - t) * slope_b - t * t * (1.0 - t) * slope_c;
+}
+
+/// The first place where a line turns back, which no tool does at its speed, or why else it is
+/// none.
+Result<void> check_line(std::span<const Vector3> places) {
+  constexpr double max_turn_rad = 100_deg;
+  if (places.size() < 2) {
+    return fail(Fault::bad_input, "a stroke needs two places at least, {} given", places.size());
+  }
+  for (std::size_t i = 1; i < places.size(); ++i) {
+    const Vector3 on = places[i] - places[i - 1];
+    if (on.norm() < 1_mm) {
+      return fail(Fault::not_found,
+                  "places {} and {} of the stroke are {:.1f} mm apart: 1 at least", i, i + 1,
+                  to_mm(on.norm()));
+    }
+    if (i == 1) continue;
+    const Vector3 so_far = places[i - 1] - places[i - 2];
+    const double turn_rad = std::atan2(so_far.cross(on).norm(), so_far.dot(on));
+    if (turn_rad > max_turn_rad) {
+      return fail(Fault::not_found,
+                  "the stroke turns by {:.0f} degrees at place {}: {:.0f} at most, or two strokes",
+                  to_deg(turn_rad), i, to_deg(max_turn_rad));
+    }
+  }
+  return {};
 }
 
 }  // namespace
@@ -23,10 +58,6 @@ Vector3 between(const Vector3& a, const Vector3& b, const Vector3& c, const Vect
 Result<SurfaceCurve> line_through(const body::BackSurface& back,
                                   std::span<const Vector3> places_in_couch, const Bend& bend) {
   constexpr double step_m = 3_mm;
-  if (places_in_couch.size() < 2) {
-    return fail(Fault::bad_input, "a stroke needs two places at least, {} given",
-                places_in_couch.size());
-  }
   std::vector<Vector3> places;
   std::vector<Vector3> outward;
   for (const Vector3& place : places_in_couch) {
@@ -34,6 +65,7 @@ Result<SurfaceCurve> line_through(const body::BackSurface& back,
     places.push_back(on_skin.at_in_couch);
     outward.push_back(on_skin.normal_in_couch);
   }
+  if (auto usable = check_line(places); !usable) return tl::unexpected(usable.error());
   std::vector<Vector3> guide;
   std::vector<Vector3> guide_outward;
   const std::size_t last = places.size() - 1;
