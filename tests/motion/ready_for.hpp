@@ -3,6 +3,7 @@
 
 #include <doctest/doctest.h>
 
+#include "tuina/motion/free_path.hpp"
 #include "tuina/motion/ready_plan.hpp"
 #include "tuina/robot/robot_model.hpp"
 #include "tuina/sim/person/person.hpp"

@@ -58,8 +58,10 @@ JointVector Rollout::posture_drift(const JointVector& posture_rad) const {
       posture_share_ * (posture_rad - q_rad_).cwiseMax(-max_pull_rad_).cwiseMin(max_pull_rad_);
   for (int i = 0; i < model_->joints(); ++i) {
     const robot::Link& link = model_->table().links[static_cast<std::size_t>(i)];
-    const double inside = std::clamp(q_rad_[i], link.min_rad + gains.limit_margin_rad,
-                                     link.max_rad - gains.limit_margin_rad);
+    // The springs of a joint with less room than both their margins meet in its middle.
+    const double margin_rad = std::min(gains.limit_margin_rad, 0.5 * (link.max_rad - link.min_rad));
+    const double inside =
+        std::clamp(q_rad_[i], link.min_rad + margin_rad, link.max_rad - margin_rad);
     drift[i] += share_at_limit * (inside - q_rad_[i]);
   }
   return drift;
