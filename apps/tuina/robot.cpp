@@ -162,14 +162,15 @@ class RobotImport final : public Verb {
       missing = "\nto be mended by hand:\n" + again.error().message;
     if (const auto written = write_file(out_, table); !written)
       return tl::unexpected(written.error());
+    const std::string note = read->note.empty() ? "" : read->note + "\n";
     return Answer{
         .json = ordered_json{{"robot", model->name},
                              {"joints", model->arm.joints},
                              {"complete", missing.empty()}}
                     .dump(2),
         .text = fmt::format("{}: {} joints; rotors, radii and how it is mounted are yours "
-                            "to write\nnow: tuina robot show {}{}",
-                            out_, model->arm.joints, out_, missing)};
+                            "to write\n{}now: tuina robot show {}{}",
+                            out_, model->arm.joints, note, out_, missing)};
   }
 
  private:

@@ -6,6 +6,7 @@
 #include "tuina/core/random.hpp"
 #include "tuina/robot/arm_model.hpp"
 #include "tuina/robot/robot_model.hpp"
+#include "tuina/robot/table/robot_table.hpp"
 
 using namespace tuina;
 using namespace tuina::robot;
@@ -32,7 +33,94 @@ void refused(const std::string& text, const std::string& sentence, const char* t
   CHECK(arm.error().message.find(sentence) != std::string::npos);
 }
 
+/// Where a joint of an arm stands on the one before, about whose z it turns.
+struct Step {
+  Vector3 xyz, rpy;
+};
+
+std::string urdf_of(const std::vector<Step>& steps) {
+  std::string text = "<robot name=\"steps\"><link name=\"rail\"/>";
+  for (std::size_t i = 1; i <= steps.size(); ++i) {
+    const auto& [xyz, rpy] = steps[i - 1];
+    text += fmt::format(
+        "<link name=\"l{0}\"><inertial><mass value=\"1\"/><inertia ixx=\"0.02\" ixy=\"0\" "
+        "ixz=\"0\" iyy=\"0.02\" iyz=\"0\" izz=\"0.02\"/></inertial></link><joint name=\"j{0}\" "
+        "type=\"revolute\"><origin xyz=\"{2} {3} {4}\" rpy=\"{5} {6} {7}\"/><parent "
+        "link=\"{1}\"/><child link=\"l{0}\"/><axis xyz=\"0 0 1\"/><limit lower=\"-3\" upper=\"3\" "
+        "effort=\"150\" velocity=\"2\"/></joint>",
+        i, i == 1 ? "rail" : fmt::format("l{}", i - 1), xyz.x(), xyz.y(), xyz.z(), rpy.x(), rpy.y(),
+        rpy.z());
+  }
+  return text + "</robot>";
+}
+
+/// How far the tip of the read arm is at the most from where the file's own chain has it.
+double worst_tip_m(const std::vector<Step>& steps, const UrdfArm& arm) {
+  RobotMount mount;
+  mount.base_from_shoulder[Arm::left] = arm.link_from_shoulder;
+  const ArmModel model(arm.table, mount, Arm::left);
+  Random random = make_random(6, "steps");
+  double worst_m = 0.0;
+  for (int n = 0; n < 2'000; ++n) {
+    JointVector q(6);
+    for (double& angle : q) angle = uniform(random, -3.0, 3.0);
+    Transform tip = Transform::Identity();
+    for (std::size_t i = 0; i < steps.size(); ++i) {
+      const Vector3& rpy = steps[i].rpy;
+      tip = tip * Eigen::Translation3d(steps[i].xyz) *
+            Eigen::AngleAxisd(rpy.z(), Vector3::UnitZ()) *
+            Eigen::AngleAxisd(rpy.y(), Vector3::UnitY()) *
+            Eigen::AngleAxisd(rpy.x(), Vector3::UnitX()) *
+            Eigen::AngleAxisd(q[static_cast<Eigen::Index>(i)], Vector3::UnitZ());
+    }
+    worst_m =
+        std::max(worst_m, (tip.translation() - model.base_from_tool(q, 0.0).translation()).norm());
+    CHECK((tip.linear() - model.base_from_tool(q, 0.0).linear()).cwiseAbs().maxCoeff() < 1e-3);
+  }
+  return worst_m;
+}
+
 }  // namespace
+
+TEST_CASE("axes that are parallel but for the rounding of their angles are taken as parallel") {
+  // An arm whose upper arm, forearm and wrist turn about parallel axes, as CAD exports it.
+  const auto arm_of = [](double half_turn, double skew) {
+    const double quarter = 0.5 * half_turn;
+    return std::vector<Step>{{{0.0, 0.0, 0.122}, {0.0, 0.0, half_turn}},
+                             {{0.0, 0.1215, 0.0}, {-quarter, -quarter, 0.0}},
+                             {{0.408, 0.0, 0.0}, {-half_turn, skew, 0.0}},
+                             {{0.376, 0.0, 0.0}, {half_turn, 0.0, quarter}},
+                             {{0.0, 0.1025, 0.0}, {-quarter, 0.0, 0.0}},
+                             {{0.0, -0.094, 0.0}, {quarter, 0.0, 0.0}}};
+  };
+  struct Case {
+    double half_turn, skew, max_off_m;
+    const char* note;
+  };
+  for (
+      const auto& [half_turn, skew, max_off_m, note] :
+      {Case{pi, 0.0, 1e-9, ""},
+       {3.1416, 0.0, 0.01e-3,
+        "joints 2 and 3 are 0.00042, 3 and 4 are 0.00042 degrees from parallel: taken as parallel"},
+       {3.141593, 0.0, 1e-6,
+        "joints 2 and 3 are 0.00002, 3 and 4 are 0.00002 degrees from parallel: taken as parallel"},
+       // The fourth is exactly parallel to the third, and follows it.
+       {pi, 9e-5, 0.2e-3, "joints 2 and 3 are 0.00516 degrees from parallel: taken as parallel"}}) {
+    const std::vector<Step> steps = arm_of(half_turn, skew);
+    const auto arm = read_urdf(urdf_of(steps), "arm.urdf", "rail", "l6");
+    REQUIRE_MESSAGE(arm.has_value(), arm.error().message);
+    CHECK(arm->note == note);
+    const double off_m = worst_tip_m(steps, *arm);
+    MESSAGE("at most ", 1e3 * off_m, " mm off");
+    CHECK(off_m < max_off_m);
+    // What is written is read again.
+    RobotModel model = load_robot("thesis").value();
+    model.arm = arm->table;
+    for (Link& link : model.arm.links) link.rotor_inertia_kg_m2 = 0.1;
+    const auto again = parse_robot(to_toml(model), "arm.toml");
+    CHECK_MESSAGE(again.has_value(), again.error().message);
+  }
+}
 
 TEST_CASE("every shipped arm, written as URDF and read again, moves and weighs as before") {
   for (const char* name : {"thesis", "successor", "panda", "ur"}) {

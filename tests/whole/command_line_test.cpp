@@ -97,6 +97,24 @@ TEST_CASE("a misspelled option or word is named, with what may be meant") {
   says({"line", "a.png", "--method", "guess"}, "`guess` is unknown; known: centroid, likelihood");
 }
 
+TEST_CASE("robot import says which axes it takes as parallel") {
+  const Folder folder;
+  const std::string urdf = folder / "arm.urdf", out = folder / "mine.toml";
+  REQUIRE(run_tuina({"export", "urdf", "--robot", "ur", "--out", urdf}).exit_code == 0);
+  std::string text = tuina::read_file(urdf).value();
+  const auto elbow = text.find("rpy=\"", text.find("name=\"left_elbow_joint\""));
+  REQUIRE(elbow != std::string::npos);
+  text.replace(elbow, text.find('"', elbow + 5) + 1 - elbow, "rpy=\"0 0.00001 0\"");
+  REQUIRE(tuina::write_file(urdf, text).has_value());
+  const auto made =
+      run_tuina({"robot", "import", urdf, "--base", "rail", "--tip", "left_tool", "--out", out});
+  CHECK(made.exit_code == 0);
+  CAPTURE(made.err);
+  CHECK(made.err.find("\njoints 2 and 3 are 0.00057 degrees from parallel: taken as parallel\n") !=
+        std::string::npos);
+  CHECK(made.err.find("d_mm") == std::string::npos);  // nothing to be mended but rotors
+}
+
 TEST_CASE("a verb is known by its other name, too") {
   const auto other = run_tuina({"dashboard", "--help"});
   CHECK(other.exit_code == 0);

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "tuina/core/io/text_lines.hpp"
+#include "tuina/robot/table/urdf_rows.hpp"
 
 namespace tuina::robot {
 namespace {
@@ -74,28 +75,6 @@ struct Reader {
   }
 };
 
-/// Mass, first moment and inertia about the origin of the base link of bodies that move as one, all
-/// joints at zero.
-struct Mass {
-  double kg = 0.0;
-  Vector3 moment = Vector3::Zero();
-  Matrix3 about_origin = Matrix3::Zero();
-
-  void add(double mass_kg, const Vector3& centre, const Matrix3& about_centre) {
-    kg += mass_kg;
-    moment += mass_kg * centre;
-    about_origin += about_centre + mass_kg * (centre.squaredNorm() * Matrix3::Identity() -
-                                              centre * centre.transpose());
-  }
-};
-
-/// One turning joint and what it carries, in the base link's frame, all joints at zero.
-struct Turning {
-  Link link;
-  Vector3 at, axis;
-  Mass mass = {};
-};
-
 const XMLElement* find(const XMLElement& robot, const char* element, const char* child,
                        const char* attribute, const std::string& value) {
   for (const XMLElement* at = robot.FirstChildElement(element); at != nullptr;
@@ -107,7 +86,8 @@ const XMLElement* find(const XMLElement& robot, const char* element, const char*
   return nullptr;
 }
 
-void add_mass(Reader& reader, const XMLElement& link, const Transform& base_from_link, Mass& mass) {
+void add_mass(Reader& reader, const XMLElement& link, const Transform& base_from_link,
+              CarriedMass& mass) {
   const XMLElement* inertial = link.FirstChildElement("inertial");
   if (inertial == nullptr) return;
   const XMLElement* weight = inertial->FirstChildElement("mass");
@@ -135,7 +115,8 @@ const char* link_of(const XMLElement& joint, const char* side) {
 /// Adds the masses of what hangs from a link of the chain, as a hand or a sensor beside the tip.
 /// What moves there, as fingers, is small and counts where it stands at zero.
 void add_hanging(Reader& reader, const XMLElement& robot, const XMLElement& link,
-                 const Transform& base_from_link, std::set<const XMLElement*>& taken, Mass& mass) {
+                 const Transform& base_from_link, std::set<const XMLElement*>& taken,
+                 CarriedMass& mass) {
   const char* name = link.Attribute("name");
   for (const XMLElement* joint = robot.FirstChildElement("joint"); joint != nullptr;
        joint = joint->NextSiblingElement("joint")) {
@@ -159,9 +140,9 @@ Vector3 axis_of(Reader& reader, const XMLElement& joint) {
 }
 
 /// The joints of the chain with what they carry, and the pose of the tip at zero.
-std::vector<Turning> read_chain(Reader& reader, const XMLElement& robot,
-                                const std::vector<const XMLElement*>& joints, Transform& tip) {
-  std::vector<Turning> chain;
+std::vector<TurningJoint> read_chain(Reader& reader, const XMLElement& robot,
+                                     const std::vector<const XMLElement*>& joints, Transform& tip) {
+  std::vector<TurningJoint> chain;
   std::set<const XMLElement*> taken;  // links whose mass is somewhere, or is the base's
   for (const XMLElement* joint : joints) {
     for (const char* side : {"parent", "child"})
@@ -173,7 +154,7 @@ std::vector<Turning> read_chain(Reader& reader, const XMLElement& robot,
     const char* given = joint->Attribute("type");
     const std::string type = given != nullptr ? given : "";
     if (type == "revolute" || type == "continuous") {
-      Turning turning;
+      TurningJoint turning;
       const char* name = joint->Attribute("name");
       turning.link.name = name != nullptr ? name : fmt::format("joint{}", chain.size() + 1);
       if (joint->FirstChildElement("mimic") != nullptr)
@@ -220,118 +201,6 @@ std::vector<Turning> read_chain(Reader& reader, const XMLElement& robot,
   return chain;
 }
 
-/// Without what rounding leaves of a value that is none: of angles, of lengths in metres, and of
-/// others beside the largest of their kind.
-double cleaned(double value, double largest = 1.0) {
-  return std::abs(value) < 1e-12 * largest ? 0.0 : value;
-}
-
-Matrix3 cleaned(const Matrix3& turn) {
-  return turn.unaryExpr([](double value) { return cleaned(value); });
-}
-
-/// Signed angle about `axis` that turns `from` into `to`, both across it.
-double angle_about(const Vector3& axis, const Vector3& from, const Vector3& to) {
-  return std::atan2(axis.dot(from.cross(to)), from.dot(to));
-}
-
-/// Frame of the next joint on its axis: x along the common normal of both axes, out of this one.
-/// Where the axes meet or are parallel, the file's own place of the next joint decides.
-Transform next_frame(const Transform& here, const Vector3& next_at, const Vector3& next_axis) {
-  const Vector3 z = here.linear().col(2), apart = next_at - here.translation();
-  constexpr double parallel = 1e-7, meets_m = 1e-7;
-  const Vector3 across = z.cross(next_axis);
-  const double sine = across.norm();
-  Vector3 x = across, origin = next_at;
-  if (sine < parallel) {
-    const Vector3 aside = apart - apart.dot(z) * z;
-    x = aside.norm() > meets_m ? aside : Vector3(here.linear().col(0));
-  } else {
-    // Where the common normal meets the next axis.
-    const Vector3 normal = across / sine;
-    const double along_next = z.cross(normal).dot(apart) / sine;
-    origin = next_at + along_next * next_axis;
-    const double distance_m = normal.dot(apart);
-    if (distance_m < -meets_m) x = -x;
-  }
-  Transform next = Transform::Identity();
-  next.translation() = origin;
-  next.linear().col(2) = next_axis;
-  next.linear().col(0) = (x - x.dot(next_axis) * next_axis).normalized();
-  next.linear().col(1) = next_axis.cross(next.linear().col(0));
-  return next;
-}
-
-/// The row between two frames whose x axis of the second crosses z of the first at a right angle.
-void set_row(Link& link, const Transform& here, const Transform& next) {
-  const Vector3 z = here.linear().col(2), x = next.linear().col(0);
-  const Vector3 apart = next.translation() - here.translation();
-  link.offset_rad = cleaned(angle_about(z, here.linear().col(0), x));
-  link.d_m = cleaned(apart.dot(z));
-  link.a_m = cleaned(apart.dot(x));
-  link.alpha_rad = cleaned(angle_about(x, z, next.linear().col(2)));
-}
-
-/// The last row leads to the tip's place; its turn is the tool's own.
-Transform last_frame(const Transform& here, const Transform& tip) {
-  const Vector3 z = here.linear().col(2);
-  const Vector3 apart = tip.translation() - here.translation();
-  const Vector3 aside = apart - apart.dot(z) * z;
-  Transform last = here;
-  last.translation() = tip.translation();
-  if (aside.norm() > 1e-7) {
-    last.linear().col(0) = aside.normalized();
-    last.linear().col(1) = z.cross(last.linear().col(0));
-  }
-  return last;
-}
-
-void set_mass(Link& link, const Mass& mass, const Transform& joint) {
-  link.mass_kg = mass.kg;
-  if (!(mass.kg > 0.0)) return;
-  const Vector3 centre = mass.moment / mass.kg;
-  const Matrix3 about_centre =
-      mass.about_origin -
-      mass.kg * (centre.squaredNorm() * Matrix3::Identity() - centre * centre.transpose());
-  const Vector3 com = joint.inverse() * centre;
-  const Matrix3 inertia = joint.linear().transpose() * about_centre * joint.linear();
-  link.com_in_joint = {cleaned(com.x()), cleaned(com.y()), cleaned(com.z())};
-  link.inertia_kg_m2 = {inertia(0, 0), inertia(1, 1), inertia(2, 2)};
-  link.inertia_products_kg_m2 = {cleaned(inertia(0, 1), inertia.trace()),
-                                 cleaned(inertia(0, 2), inertia.trace()),
-                                 cleaned(inertia(1, 2), inertia.trace())};
-}
-
-UrdfArm arm_of(const std::vector<Turning>& chain, const Transform& tip) {
-  UrdfArm arm;
-  arm.table.joints = static_cast<int>(chain.size());
-  arm.table.tool_mass_kg = 0.16;
-  Transform here = Transform::Identity();
-  // Frame 0 is on the first axis, nearest to the base link's origin, x as nearly as can be its x.
-  const Vector3 axis = chain.front().axis;
-  here.translation() = chain.front().at - chain.front().at.dot(axis) * axis;
-  const Vector3 ahead = Vector3::UnitX() - axis.x() * axis;
-  here.linear().col(2) = axis;
-  here.linear().col(0) = ahead.norm() > 1e-3 ? Vector3(ahead.normalized()) : axis.unitOrthogonal();
-  here.linear().col(1) = axis.cross(here.linear().col(0));
-  arm.link_from_shoulder = here;
-  arm.link_from_shoulder.linear() = cleaned(here.linear());
-  for (std::size_t i = 0; i < chain.size(); ++i) {
-    Link& link = arm.table.links[i];
-    link = chain[i].link;
-    link.radius_m = 50_mm;
-    const Transform next = i + 1 < chain.size()
-                               ? next_frame(here, chain[i + 1].at, chain[i + 1].axis)
-                               : last_frame(here, tip);
-    set_row(link, here, next);
-    set_mass(link, chain[i].mass, here * Eigen::AngleAxisd(link.offset_rad, Vector3::UnitZ()));
-    here = next;
-  }
-  const Matrix3 turn = cleaned(here.linear().transpose() * tip.linear());
-  if (!turn.isIdentity(1e-12)) arm.table.end_from_tool_turn = turn;
-  return arm;
-}
-
 }  // namespace
 
 Result<UrdfArm> read_urdf(std::string_view text, std::string_view name,
@@ -367,14 +236,14 @@ Result<UrdfArm> read_urdf(std::string_view text, std::string_view name,
   std::reverse(joints.begin(), joints.end());
   Reader reader{.name = std::string(name)};
   Transform tip;
-  const std::vector<Turning> chain = read_chain(reader, *robot, joints, tip);
+  std::vector<TurningJoint> chain = read_chain(reader, *robot, joints, tip);
   if (reader.fault) return tl::unexpected(*reader.fault);
   if (chain.size() != 6 && chain.size() != 7) {
     return fail(Fault::bad_input,
                 "{}:{}: <robot>: {} turning joints lead from `{}` to `{}`, 6 or 7 needed", name,
                 robot->GetLineNum(), chain.size(), base_link, tip_link);
   }
-  UrdfArm arm = arm_of(chain, tip);
+  UrdfArm arm = arm_of(std::move(chain), tip);
   const char* called = robot->Attribute("name");
   arm.robot = called != nullptr ? called : "";
   return arm;
