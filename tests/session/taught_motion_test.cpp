@@ -11,6 +11,7 @@
 #include "tuina/core/io/file.hpp"
 #include "tuina/core/random.hpp"
 #include "tuina/core/units.hpp"
+#include "tuina/massage/programme.hpp"
 
 using namespace tuina;
 
@@ -105,5 +106,37 @@ TEST_CASE("a taught motion that cannot be played is refused with file and line")
   says(refused_for(csv, samples, "\n0.0300,0", "\n0.0300,9"), "fro.csv:5: joint 1 moves at");
   says(refused_for(csv, samples, ",12.000\n0.0400", ",72.000\n0.0400"),
        "fro.csv:5: 72.0 N; the zone `muscle` bears 60");
+  says(refused_for(csv, samples, ",12.000\n0.0400", ",-0.500\n0.0400"),
+       "fro.csv:5: force_n is -0.5; a tool only presses");
   says(refused_for(csv, samples, "\n0.0300,", "\n0.0300,nan"), "fro.csv:5");
+}
+
+TEST_CASE("what an arm feels below zero away from the skin is written as no force") {
+  const test::Folder folder;
+  const auto file = folder / "fro.toml";
+  session::TaughtMotion motion = session::smoothed(led(0.0));
+  motion.samples.front().force_n = -0.4;
+  REQUIRE(session::write_taught(motion, file).has_value());
+  const auto again = session::read_taught(file);
+  REQUIRE_MESSAGE(again.has_value(), again.error().message);
+  CHECK(again->samples.front().force_n == 0.0);
+}
+
+TEST_CASE("a taught line is carried only as a programme that is taken") {
+  session::TaughtMotion motion{
+      .name = "stroke", .line = {{3.0, 0.8}, {3.0, 0.2}}, .force_n = 12.0, .speed_m_per_s = 60_mm};
+  const auto carried = session::programme_of(motion);
+  REQUIRE_MESSAGE(carried.has_value(), carried.error().message);
+  CHECK(massage::parse_programme(*carried, "stroke").has_value());
+  const auto refused = [](const session::TaughtMotion& wrong, const char* value) {
+    const auto programme = session::programme_of(wrong);
+    REQUIRE_FALSE(programme.has_value());
+    CAPTURE(programme.error().message);
+    CHECK(programme.error().message.find(value) != std::string::npos);
+  };
+  session::TaughtMotion strong = motion, wide = motion;
+  strong.force_n = 900.0;
+  refused(strong, "force_n = 900");
+  wide.line[1] = {9.5, 0.2};
+  refused(wide, "[9.5, 0.2]: a place is two numbers: 0.5 to 8 cun");
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <doctest/doctest.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -86,6 +87,32 @@ TEST_CASE("teach refuses what it cannot use") {
   CHECK(run_tuina({"teach", "show"}).exit_code == 1);
   CHECK(run_tuina({"teach", "carry", folder / "nothing.toml", "--out", folder / "b.toml"})
             .exit_code == 2);
+}
+
+TEST_CASE("a taught stroke that no programme may ask for is not written as one") {
+  const Folder folder;
+  std::string csv = "time_s,q1_deg,q2_deg,q3_deg,q4_deg,q5_deg,q6_deg,force_n\n";
+  for (int i = 0; i < 60; ++i) csv += fmt::format("{:.2f},0,0,0,0,0,0,0\n", 0.01 * i);
+  REQUIRE(tuina::write_file(folder / "rest.csv", csv).has_value());
+  const auto carry = [&](const char* line, double force_n) {
+    const std::string file = folder.with(
+        "rest.toml",
+        fmt::format("name = \"rest\"\nposition = \"sitting\"\narm = \"left\"\nrail_mm = 0\n"
+                    "zone = \"muscle\"\nsamples = \"rest.csv\"\nrobot = \"thesis\"\nline = {}\n"
+                    "force_n = {}\nspeed_mm_per_s = 60\n",
+                    line, force_n));
+    return run_tuina({"teach", "carry", file, "--out", folder / "carried.toml"});
+  };
+  const auto refused = [&](const tuina::test::Outcome& outcome, const char* value) {
+    CAPTURE(outcome.err);
+    CHECK(outcome.exit_code == 2);
+    CHECK(outcome.err.find("rest.toml: cannot be carried") != std::string::npos);
+    CHECK(outcome.err.find(value) != std::string::npos);
+    CHECK_FALSE(std::filesystem::exists(folder / "carried.toml"));
+  };
+  refused(carry("[[3.0, 0.8], [3.0, 0.2]]", 900.0), "force_n = 900");
+  refused(carry("[[3.0, 0.8], [9.5, 0.2]]", 12.0), "[9.5, 0.2]: a place is");
+  CHECK(carry("[[3.0, 0.8], [3.0, 0.2]]", 12.0).exit_code == 0);
 }
 
 TEST_CASE("shown to a person a stroke is exact, planned it is quick and even") {

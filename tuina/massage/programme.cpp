@@ -91,8 +91,9 @@ void read_places(const TomlTable& table, Part& part) {
       part.places.push_back({aside, up});
     } else {
       table.reject(entry,
-                   "a place is two numbers: 0.5 to 8 cun beside the spine, -0.5 to 1.2 of "
-                   "the way from GV4 to C7");
+                   fmt::format("{}a place is two numbers: 0.5 to 8 cun beside the spine, -0.5 to "
+                               "1.2 of the way from GV4 to C7",
+                               pair ? fmt::format("[{}, {}]: ", aside, up) : ""));
     }
   }
 }

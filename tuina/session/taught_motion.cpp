@@ -15,6 +15,7 @@
 #include "tuina/core/io/text_lines.hpp"
 #include "tuina/core/io/toml_reader.hpp"
 #include "tuina/core/units.hpp"
+#include "tuina/massage/programme.hpp"
 #include "tuina/massage/technique/contact_path.hpp"
 #include "tuina/robot/robot_model.hpp"
 
@@ -116,6 +117,10 @@ Result<std::vector<TaughtSample>> read_samples(const fs::path& file, const robot
       }
     }
     sample.force_n = at(1 + joints, row);
+    if (sample.force_n < 0.0) {
+      return refuse(row,
+                    fmt::format("force_n is {}; a tool only presses, from 0 N on", sample.force_n));
+    }
     if (sample.force_n > max_n) {
       return refuse(row, fmt::format("{:.1f} N; the zone `{}` bears {:.0f}", sample.force_n,
                                      safety::name_of(zone), max_n));
@@ -189,7 +194,8 @@ Result<void> write_taught(const TaughtMotion& motion, const fs::path& file) {
   for (const TaughtSample& sample : motion.samples) {
     csv += fmt::format("{:.4f}", sample.time_s);
     for (const double q : sample.q_rad) csv += fmt::format(",{:.5f}", to_deg(q));
-    csv += fmt::format(",{:.3f}\n", sample.force_n);
+    // What is felt away from the skin is noise about zero.
+    csv += fmt::format(",{:.3f}\n", std::max(sample.force_n, 0.0));
   }
   if (auto written = write_file(samples, csv); !written) return written;
   return write_file(
@@ -208,7 +214,7 @@ Result<std::string> programme_of(const TaughtMotion& motion) {
                 motion.name);
   }
   constexpr double min_speed_mm_per_s = 10.0;
-  return fmt::format(
+  std::string programme = fmt::format(
       "name = {}\ndescription = \"\"\"\nStrokes along a line that a hand has shown, on both "
       "sides.\"\"\"\n\n[[part]]\ntechnique = \"stroke\"\nplaces = {}  # cun beside the spine, "
       "share "
@@ -217,6 +223,11 @@ Result<std::string> programme_of(const TaughtMotion& motion) {
       std::max(massage::kept_force_n, motion.force_n),
       std::clamp(to_mm(motion.speed_m_per_s), min_speed_mm_per_s,
                  to_mm(massage::max_slide_m_per_s)));
+  if (const auto read = massage::parse_programme(programme, "its programme"); !read) {
+    const std::string& why = read.error().message;
+    return fail(Fault::bad_input, "cannot be carried: {}", why.substr(0, why.find('\n')));
+  }
+  return programme;
 }
 
 Result<TaughtMotion> read_taught(const fs::path& file) {

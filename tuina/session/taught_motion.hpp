@@ -56,13 +56,13 @@ struct TaughtMotion {
 /// FILE.toml, and the samples as FILE.csv beside it: time_s, q1_deg ..., force_n.
 [[nodiscard]] Result<void> write_taught(const TaughtMotion& motion,
                                         const std::filesystem::path& file);
-/// A programme that strokes along the taught line, on anybody and on both sides: TOML. Fails when
-/// it is no line that a stroke could follow.
+/// A programme that strokes along the taught line, on anybody and on both sides: TOML. Fails,
+/// with the value, when it is no line that a stroke could follow or programmes do not take it.
 [[nodiscard]] Result<std::string> programme_of(const TaughtMotion& motion);
 
 /// Refused by file and line: robots that are not there, keys and columns that are missing or
 /// unknown, times that are not even, joints beyond their ends or faster than 1.5 rad/s, forces
-/// beyond the trip of the zone.
+/// below zero or beyond the trip of the zone.
 [[nodiscard]] Result<TaughtMotion> read_taught(const std::filesystem::path& file);
 
 }  // namespace tuina::session
