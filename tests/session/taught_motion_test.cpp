@@ -106,8 +106,8 @@ TEST_CASE("a taught motion that cannot be played is refused with file and line")
   says(refused_for(csv, samples, "\n0.0300,0", "\n0.0300,9"), "fro.csv:5: joint 1 moves at");
   says(refused_for(csv, samples, ",12.000\n0.0400", ",72.000\n0.0400"),
        "fro.csv:5: 72.0 N; the zone `muscle` bears 60");
-  says(refused_for(csv, samples, ",12.000\n0.0400", ",-0.500\n0.0400"),
-       "fro.csv:5: force_n is -0.5; a tool only presses");
+  says(refused_for(csv, samples, ",12.000\n0.0400", ",-1.500\n0.0400"),
+       "fro.csv:5: force_n is -1.5; a tool only presses");
   says(refused_for(csv, samples, "\n0.0300,", "\n0.0300,nan"), "fro.csv:5");
 }
 

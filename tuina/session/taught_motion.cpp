@@ -25,6 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double max_speed_rad_per_s = 1.5;
+constexpr double max_noise_n = 1.0;  // about zero, of what is felt away from the skin
 constexpr std::array taught_zones = {safety::Zone::muscle, safety::Zone::kidney,
                                      safety::Zone::bony};
 
@@ -117,10 +118,11 @@ Result<std::vector<TaughtSample>> read_samples(const fs::path& file, const robot
       }
     }
     sample.force_n = at(1 + joints, row);
-    if (sample.force_n < 0.0) {
+    if (sample.force_n < -max_noise_n) {
       return refuse(row,
                     fmt::format("force_n is {}; a tool only presses, from 0 N on", sample.force_n));
     }
+    sample.force_n = std::max(sample.force_n, 0.0);
     if (sample.force_n > max_n) {
       return refuse(row, fmt::format("{:.1f} N; the zone `{}` bears {:.0f}", sample.force_n,
                                      safety::name_of(zone), max_n));
