@@ -118,6 +118,26 @@ TEST_CASE("while it is pressed a retreat has no end, and holds the tool at no pl
   CHECK(scene.outward_n() == doctest::Approx(holding_n));
 }
 
+TEST_CASE("a leaving tool that swings, and so feels its own mass, is not pushed on and on") {
+  const auto pushed_n = [](int ticks_felt, double flown_m) {
+    Scene scene = retreating(20.0);
+    scene.tick(60);
+    scene.force_n = 0.0;
+    scene.tick(20);
+    scene.seen.tool_in_base += flown_m * scene.normal();
+    scene.tick(10);
+    scene.force_n = 20.0;
+    scene.tick(1 + ticks_felt);  // one sample is no force yet
+    return scene.outward_n();
+  };
+  CHECK(pushed_n(20, 0.0599) == doctest::Approx(80.0));
+  CHECK(pushed_n(20, 0.0601) < 40.1);
+  CHECK(pushed_n(40, 0.0601) < 40.1);
+  // Who comes after it is felt for longer than a swing.
+  CHECK(pushed_n(42, 0.0601) == doctest::Approx(80.0));
+  CHECK(pushed_n(42, 0.5) == doctest::Approx(80.0));
+}
+
 TEST_CASE("a hand that pushes a leaving tool down, or aside, is not answered with 80 N") {
   for (const Vector3& along : {Vector3(0.0, 0.0, -1.0), Vector3(1.0, 0.0, 0.0)}) {
     Scene scene = retreating(8.0);

@@ -185,6 +185,8 @@ class Guard {
   [[nodiscard]] bool in_air() const noexcept;
   void judge_unknown(Finding& finding) noexcept;
   [[nodiscard]] JointVector blind_torque(Action action) const noexcept;
+  /// True when a person comes after a tool that leaves; each tick once.
+  [[nodiscard]] bool followed(const Vector3& tool_in_base) noexcept;
   [[nodiscard]] JointVector off_ends_nm(const JointVector& q_rad) const noexcept;
   [[nodiscard]] JointVector own_torque(const Observation& seen, Action action) noexcept;
   [[nodiscard]] JointVector let_through(const Observation& seen, const Proposal& proposal,
@@ -234,8 +236,10 @@ class Guard {
   JointVector hold_rad_, from_rad_;  // where it is held, and was when it was taken over
   Vector3 taken_over_in_base_ = Vector3::Zero();
   Vector3 last_pressed_in_base_ = Vector3::Zero();  // or taken over, where it was not pressed since
-  double held_n_ = 0.0;                             ///< felt when it took over
-  double min_felt_n_ = 0.0;                         ///< least that was felt since the tool leaves
+  Vector3 met_in_base_ = Vector3::Zero();           // likewise, by a contact longer than a swing
+  int pressed_ticks_ = 0;
+  double held_n_ = 0.0;      ///< felt when it took over
+  double min_felt_n_ = 0.0;  ///< least that was felt since the tool leaves
 };
 
 }  // namespace tuina::safety

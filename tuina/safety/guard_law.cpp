@@ -24,6 +24,10 @@ constexpr double max_inward_n = 5.0;
 constexpr double max_outward_n = 40.0;
 constexpr double pressed_n = 5.0;  // from here the person is still in the way of leaving
 constexpr double push_out_n = 80.0;
+// A tool that flies feels its own mass as it is braked, and swings on elastic gears: taken for a
+// person, each swing would push it on. A person who comes after it is felt for longer than a swing;
+// without such a contact it is not followed beyond the way that it leaves by.
+constexpr int meeting_ticks = 40;
 // A person sits up at half a metre a second (docs/safety.md); the tool must be able to be faster.
 constexpr double push_out_m_per_s = 0.8;
 // As far and as fast as who sits up comes.
@@ -111,6 +115,12 @@ JointVector Guard::off_ends_nm(const JointVector& q_rad) const noexcept {
   return torque_nm;
 }
 
+bool Guard::followed(const Vector3& tool_in_base) noexcept {
+  pressed_ticks_ = pressed() ? pressed_ticks_ + 1 : 0;
+  if (pressed_ticks_ > meeting_ticks) met_in_base_ = tool_in_base;
+  return pressed() && (tool_in_base - met_in_base_).dot(normal_in_base_) < retract_m;
+}
+
 JointVector Guard::own_torque(const Observation& seen, Action action) noexcept {
   if (action == Action::brake) return gravity_nm_;
   // Where the joints are in doubt the tool's place is too: only the joints are braked.
@@ -119,6 +129,7 @@ JointVector Guard::own_torque(const Observation& seen, Action action) noexcept {
   if (taken_over_ != action) {
     taken_over_ = action;
     hold_in_base_ = taken_over_in_base_ = last_pressed_in_base_ = seen.tool_in_base;
+    met_in_base_ = seen.tool_in_base;
     hold_rad_ = seen.q_rad;
     // The median, for a single sample may be a blow that nobody has judged yet.
     held_n_ = pressed() ? std::min(felt_n(), sample_in_base_n_.dot(normal_in_base_)) : 0.0;
@@ -128,9 +139,10 @@ JointVector Guard::own_torque(const Observation& seen, Action action) noexcept {
   const double way_m = (seen.tool_in_base - taken_over_in_base_).dot(normal_in_base_);
   // A tool that pressed when its sensor failed does not wait to be felt.
   const bool flees = !feels() && believed_n_ > pressed_n && way_m < blind_way_m;
+  const bool follows = followed(seen.tool_in_base);
   // A person who comes after the tool is met by nothing that holds it in place, nor aside, nor in
   // its posture, however far it is followed.
-  if (action == Action::retract && (pressed() || flees)) {
+  if (action == Action::retract && (follows || flees)) {
     hold_in_base_ = last_pressed_in_base_ = seen.tool_in_base;
     hold_rad_ = seen.q_rad;
     const double wanted_m_per_s = flees ? blind_m_per_s : push_out_m_per_s;
