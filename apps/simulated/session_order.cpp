@@ -120,6 +120,12 @@ sim::WorldOptions world_options(const session::Config& config) {
                                 .wrist_crosstalk_share = simulation.wrist_crosstalk_share}}};
 }
 
+robot::ArmTable believed_gears(robot::ArmTable arm, const sim::DeviceFlaws& flaws) {
+  if (flaws.gear_softness > 0.0) return arm;
+  for (robot::Link& link : arm.links) link.gear_nm_per_rad = robot::rigid_gear_nm_per_rad;
+  return arm;
+}
+
 Result<SimulatedRoom> make_room(const SessionOrder& order, const session::Config& config,
                                 const CommonOptions& common, const sim::PlantOptions& devices) {
   SimulatedRoom room;
@@ -136,11 +142,7 @@ Result<SimulatedRoom> make_room(const SessionOrder& order, const session::Config
   options.devices = devices;
   options.devices.flaws = flaws;
   if (loop_of(config)) as_within_a_loop(options.devices);
-  // Gears that do not give way here are not to be believed to.
-  if (options.devices.flaws.gear_softness <= 0.0) {
-    for (robot::Link& link : room.order.robot.arm.links)
-      link.gear_nm_per_rad = robot::rigid_gear_nm_per_rad;
-  }
+  room.order.robot.arm = believed_gears(std::move(room.order.robot.arm), options.devices.flaws);
   auto world = sim::World::make(*person,
                                 robot::place_robot(room.order.robot, person->position,
                                                    session::head_at_plus_y(person->acupoints)),

@@ -16,6 +16,8 @@ using record::SessionOrder;
 /// What the scanner looks at, and the world, that a config's section `simulation` describes.
 [[nodiscard]] sim::ScanFlaws scan_flaws(const session::Config& config);
 [[nodiscard]] sim::WorldOptions world_options(const session::Config& config);
+/// The arm as it is believed to be: gears that do not give way here are not believed to.
+[[nodiscard]] robot::ArmTable believed_gears(robot::ArmTable arm, const sim::DeviceFlaws& flaws);
 
 /// A simulated world, and what the session in it is told.
 struct SimulatedRoom {

@@ -10,9 +10,11 @@
 
 #include "apps/evaluation/safety/judge.hpp"
 #include "apps/evaluation/safety/report.hpp"
+#include "apps/simulated/session_order.hpp"
 #include "tests/reason.hpp"
 #include "tuina/core/io/file.hpp"
 #include "tuina/safety/guard.hpp"
+#include "tuina/session/realism.hpp"
 
 using namespace tuina;
 using namespace tuina::app;
@@ -21,7 +23,7 @@ namespace {
 
 const std::vector<Site>& sites() {
   static const std::vector<Site> all = [] {
-    auto made = make_sites(1);
+    auto made = make_sites(1, world_options({}));
     REQUIRE_MESSAGE(made.has_value(), test::reason(made));
     return std::move(*made);
   }();
@@ -51,7 +53,7 @@ TEST_CASE("a dozen cells of the campaign keep all that is promised") {
                          {"stall of 2 ms", "contact hard"},
                          {"torque not a number", "approach"},
                          {"controller killed", "contact bone"},
-                         {"guard killed", "contact hard"},
+                         {"guard killed", "contact bone"},
                          {"breathes deeply", "contact soft"},
                          {"leaves", "contact hard"},
                          {"stall of 50 ms", "idle"}}) {
@@ -118,6 +120,22 @@ TEST_CASE("a whole trial goes from the travel to the way out, and its fault come
   }
 }
 
+TEST_CASE(
+    "a stopped arm on elastic gears comes to rest: it does not take its own swing for a person") {
+  constexpr double max_m_per_s = 0.25;
+  int tried = 0;
+  for (CampaignCell& cell : campaign_cells(sites(), false, 1)) {
+    if (cell.fault->name != "wrist spikes" || cell.plan.stage != Stage::contact) continue;
+    const auto run = run_cell(cell);
+    REQUIRE_MESSAGE(run.has_value(), test::reason(run));
+    INFO(cell.plan.site->name);
+    CHECK(cell.outcome.stopped);
+    CHECK(cell.outcome.end_m_per_s < max_m_per_s);
+    ++tried;
+  }
+  CHECK(tried >= 10);
+}
+
 TEST_CASE("a trial happens again to the last bit") {
   CampaignCell one = cell_of("sits up", "contact hard"), other = one;
   REQUIRE(run_cell(one).has_value());
@@ -136,10 +154,41 @@ TEST_CASE(
     CAPTURE(fault.name);
     CHECK(names.insert(fault.name).second);
     CHECK_FALSE(fault.stages.empty());
-    CHECK(allowed_n(fault.promise, 43.0) <= never_n);
     for (const std::string& cause : fault.promise.causes) CHECK(causes.contains(cause));
   }
   CHECK(campaign_cells(sites(), false, 1).size() >= 500);
+}
+
+TEST_CASE("a promise allows the least of its bounds, and no fault may ever do more than 90 N") {
+  constexpr double set_n = 43.0;
+  CHECK(allowed_n({}, set_n) == never_n);
+  CHECK(allowed_n({.highest_n = 60.0}, set_n) == 60.0);
+  CHECK(allowed_n({.over_set_n = 2.0}, set_n) == 45.0);
+  CHECK(allowed_n({.over_set_n = 2.0, .highest_n = 60.0}, set_n) == 45.0);
+  CHECK(allowed_n({.highest_n = 500.0}, set_n) == never_n);
+}
+
+TEST_CASE("the world of the campaign is the one that is asked for") {
+  const auto in_world = [](const char* realism) {
+    session::Config config;
+    config.simulation.realism = realism;
+    session::set_realism(config.simulation);
+    auto made = make_sites(1, world_options(config));
+    REQUIRE_MESSAGE(made.has_value(), test::reason(made));
+    TrialPlan plan = cell_of("sits up", "contact hard").plan;
+    for (const Site& site : *made) {
+      if (site.name == plan.site->name) plan.site = &site;
+    }
+    const auto outcome = run_trial(plan);
+    REQUIRE_MESSAGE(outcome.has_value(), test::reason(outcome));
+    return outcome->worst_force_n;
+  };
+  const double ideal_n = in_world("ideal"), usual_n = in_world("usual"), hard_n = in_world("hard");
+  CHECK(ideal_n != usual_n);
+  CHECK(usual_n != hard_n);
+  CampaignCell as_configured = cell_of("sits up", "contact hard");
+  REQUIRE(run_cell(as_configured).has_value());
+  CHECK(as_configured.outcome.worst_force_n == usual_n);
 }
 
 TEST_CASE("a tool presses only where a person may be pressed, with an arm that is planned light") {
@@ -160,7 +209,7 @@ TEST_CASE("the bound of a share: none in n leaves 1 - 0.05^(1/n), all leave ever
 
 TEST_CASE("what the campaign says has the names that it is asked for by") {
   Cells cells;
-  const auto campaign = run_campaign(campaign_order(false, "leaves", 1), cells, {});
+  const auto campaign = run_campaign(campaign_order(false, "leaves", 1, {}), cells, {});
   REQUIRE_MESSAGE(campaign.has_value(), test::reason(campaign));
   const auto json = nlohmann::json::parse(to_json(*campaign));
   CHECK(json["cells"] == campaign->cells.size());

@@ -118,6 +118,18 @@ TEST_CASE("while it is pressed a retreat has no end, and holds the tool at no pl
   CHECK(scene.outward_n() == doctest::Approx(holding_n));
 }
 
+TEST_CASE("a tool that is pressed as it is stopped has met nobody for 40 ms more") {
+  const auto pushed_n = [](int ticks) {
+    Scene scene = retreating(20.0);
+    scene.tick(ticks);
+    scene.seen.tool_in_base += 0.0601 * scene.normal();
+    scene.tick();
+    return scene.outward_n();
+  };
+  CHECK(pushed_n(38) < 40.1);
+  CHECK(pushed_n(39) == doctest::Approx(80.0));
+}
+
 TEST_CASE("a leaving tool that swings, and so feels its own mass, is not pushed on and on") {
   const auto pushed_n = [](int ticks_felt, double flown_m) {
     Scene scene = retreating(20.0);

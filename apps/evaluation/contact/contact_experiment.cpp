@@ -188,7 +188,6 @@ Result<ContactOutcome> run_contact(const ContactExperiment& experiment, const Pr
   const double max_duration_s = path.duration_s() + 30.0;
   Arm arm = Arm::left;
   control::ArmController& controller = controlled[arm].controller;
-
   double target_n = 0.0;
   control::BeatCorrection beats;
   beats.begin(experiment.force_n);

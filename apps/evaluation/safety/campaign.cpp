@@ -11,6 +11,7 @@
 #include "apps/evaluation/safety/campaign_plans.hpp"
 #include "apps/evaluation/safety/judge.hpp"
 #include "apps/evaluation/safety/outcome_fields.hpp"
+#include "apps/simulated/session_order.hpp"
 #include "tuina/core/parallel.hpp"
 
 namespace tuina::app {
@@ -68,6 +69,7 @@ Result<void> run_pairs(Campaign& campaign, Runs& runs) {
     FaultPair* pair;
     TrialPlan plan;
     double worst_force_n = 0.0;
+    bool tried = true;
   };
   std::vector<Job> jobs;
   for (FaultPair& pair : campaign.pairs) {
@@ -78,9 +80,11 @@ Result<void> run_pairs(Campaign& campaign, Runs& runs) {
     const auto outcome = runs.trial("pair", k, jobs[k].plan);
     if (!outcome) return tl::unexpected(outcome.error());
     jobs[k].worst_force_n = outcome->worst_force_n;
+    jobs[k].tried = outcome->tried;
     return {};
   });
   for (Job& job : jobs) {
+    job.pair->stopped_before += job.tried ? 0 : 1;
     if (job.worst_force_n < job.pair->worst_force_n) continue;
     job.pair->worst_force_n = job.worst_force_n;
     job.pair->worst_plan = std::move(job.plan);
@@ -118,8 +122,9 @@ Result<void> run_clean(Campaign& campaign, Runs& runs) {
 Result<void> run_clean_sessions(Campaign& campaign, Runs& runs) {
   campaign.clean_sessions.resize(campaign.order.clean_sessions);
   return runs.each(campaign.clean_sessions.size(), [&](std::size_t k) -> Result<void> {
-    auto session = runs.at<CleanSession>(
-        "clean session", k, [&] { return run_clean_session(campaign.order.seed + k); });
+    auto session = runs.at<CleanSession>("clean session", k, [&] {
+      return run_clean_session(campaign.order.seed + k, campaign.order.config);
+    });
     if (!session) return tl::unexpected(session.error());
     campaign.clean_sessions[k] = std::move(*session);
     return {};
@@ -143,7 +148,7 @@ Result<void> run_sessions(Campaign& campaign, Runs& runs) {
   std::size_t number = 0;
   for (const auto part : {run_scan_cells, run_session_cells}) {
     auto cells = runs.at<SessionCells>("sessions", number++, [&]() -> Result<SessionCells> {
-      auto made = part(campaign.order.seed, runs.of(1));
+      auto made = part(campaign.order.seed, campaign.order.config, runs.of(1));
       if (!made) return tl::unexpected(made.error());
       return SessionCells{std::move(*made)};
     });
@@ -185,7 +190,7 @@ Result<void> run_cell(CampaignCell& cell) {
 Result<Campaign> run_campaign(const CampaignOrder& order, Cells& cells, const Progress& progress) {
   if (cells.sharded() && order.search_trials > 0)
     return fail(Fault::usage, "--search goes from trial to trial, so it has no shards");
-  auto sites = make_sites(order.seed);
+  auto sites = make_sites(order.seed, world_options(order.config));
   if (!sites) return tl::unexpected(sites.error());
   Campaign campaign{.order = order, .sites = std::move(*sites)};
   if (order.cells) campaign.cells = campaign_cells(campaign.sites, order.full, order.seed);

@@ -25,6 +25,7 @@ struct FaultPair {
   const FaultClass *first = nullptr, *second = nullptr;
   double worst_force_n = 0.0;
   TrialPlan worst_plan = {};
+  std::size_t stopped_before = 0;  ///< trials that were stopped before a fault came
   [[nodiscard]] bool holds() const { return worst_force_n <= double_fault_n; }
 };
 
@@ -41,15 +42,17 @@ struct RandomTrial {
 struct CampaignOrder {
   bool full = false;
   std::uint64_t seed = 1;
-  std::string only = {};  ///< the cells or the search of this class, and nothing else
-  bool cells = true;      ///< those of the table, scans and sessions
-  bool pairs = true;      ///< of faults
+  session::Config config = {};  ///< what the world of all of it is like
+  std::string only = {};        ///< the cells or the search of this class, and nothing else
+  bool cells = true;            ///< those of the table, scans and sessions
+  bool pairs = true;            ///< of faults
   std::size_t random_trials = 300;
   std::size_t clean_runs = 10;  ///< presses of half a minute
   std::size_t clean_sessions = 0, people = 0;
   std::size_t search_trials = 0;  ///< of each class
 };
-[[nodiscard]] CampaignOrder campaign_order(bool full, const std::string& only, std::uint64_t seed);
+[[nodiscard]] CampaignOrder campaign_order(bool full, const std::string& only, std::uint64_t seed,
+                                           const session::Config& config);
 
 struct Campaign {
   CampaignOrder order;

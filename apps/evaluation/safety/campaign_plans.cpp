@@ -72,8 +72,9 @@ TrialPlan random_plan(const std::vector<Site>& sites, std::uint64_t seed) {
   return plan;
 }
 
-CampaignOrder campaign_order(bool full, const std::string& only, std::uint64_t seed) {
-  CampaignOrder order{.full = full, .seed = seed, .only = only};
+CampaignOrder campaign_order(bool full, const std::string& only, std::uint64_t seed,
+                             const session::Config& config) {
+  CampaignOrder order{.full = full, .seed = seed, .config = config, .only = only};
   // Ten clean sessions of twenty minutes, as long as a massage of one region may last.
   if (full) order.random_trials = 3000, order.clean_sessions = 10, order.people = 300;
   if (!only.empty()) order.random_trials = order.clean_runs = 0;
@@ -111,7 +112,9 @@ std::size_t Campaign::false_stops() const {
   const auto count = [](const auto& list, const auto& stopped) {
     return static_cast<std::size_t>(std::count_if(list.begin(), list.end(), stopped));
   };
-  return count(cells, [](const CampaignCell& one) { return !one.outcome.tried; }) +
+  std::size_t of_pairs = 0;
+  for (const FaultPair& pair : pairs) of_pairs += pair.stopped_before;
+  return of_pairs + count(cells, [](const CampaignCell& one) { return !one.outcome.tried; }) +
          count(random, [](const RandomTrial& one) { return !one.outcome.tried; }) +
          count(clean, [](const TrialOutcome& one) { return one.stopped; }) +
          count(clean_sessions, [](const CleanSession& one) { return !one.stops.empty(); }) +

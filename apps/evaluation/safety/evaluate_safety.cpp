@@ -49,7 +49,7 @@ class EvaluateSafety final : public Verb {
       std::filesystem::create_directories(out_, error);
       if (error) return fail(Fault::file, "the folder {}: {}", out_, error.message());
     }
-    CampaignOrder order = campaign_order(full_, only_, common.seed);
+    CampaignOrder order = campaign_order(full_, only_, common.seed, *config);
     if (pairs_ || random_ + clean_ + presses_ + people_ + search_ > 0) {
       order.cells = false;
       order.pairs = pairs_;

@@ -250,8 +250,9 @@ Result<std::string> page_of(const Campaign& campaign) {
                         .badges = {"simulation"},
                         .heading = "What faults do to a person under the tool",
                         .lead = summary_of(campaign),
-                        .footer = fmt::format("seed {}, {} form", campaign.order.seed,
-                                              campaign.order.full ? "full" : "quick")});
+                        .footer = fmt::format("seed {}, {} form, world {}", campaign.order.seed,
+                                              campaign.order.full ? "full" : "quick",
+                                              campaign.order.config.simulation.realism)});
   if (!campaign.cells.empty())
     if (auto added = add_cells(campaign, page); !added) return tl::unexpected(added.error());
   if (!campaign.worst.empty()) {

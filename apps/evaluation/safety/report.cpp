@@ -202,14 +202,12 @@ Table elsewhere_table() {
                   "refused when it is read: tests of scanner and calibration"},
         {"30 hostile files",
          "refused when they are read: tests/fuzz, tests/whole/bad_input_test.cpp"},
-        {"31 page closed, network gone", "no surface: nothing is served"},
-        {"32 network flood", "no surface"},
-        {"33, 34 strangers, foreign pages", "no surface"},
-        {"35 paths in exports", "no surface"},
-        {"36 two operators", "no surface: the keys of one terminal"},
-        {"37 stop during a scan", "no surface: keys are read once the arms move"},
+        {"31 to 36 pages, networks, strangers, two operators",
+         "tests/web/serve_hostile.py, serve_massage.py; tuina evaluate armlink"},
+        {"37 stop during a scan", "tests/web/serve_massage.py"},
         {"38 disk full", "tuina evaluate processes"},
-        {"39 killed while it writes", "no database; a file is whole or not there: tests of core"},
+        {"39 killed while it writes",
+         "test_history, test_record; other files are whole or not there"},
         {"42 memory, processors", "tuina evaluate processes"},
         {"44 contacts of the stop bounce", "no surface: the chain is hardware"}})
     table.add({fault, where});
@@ -261,7 +259,9 @@ std::string to_json(const Campaign& campaign) {
   const std::vector<double> actions_ms = campaign.first_actions_ms();
   const auto held = std::count_if(campaign.pairs.begin(), campaign.pairs.end(),
                                   [](const auto& pair) { return pair.holds(); });
-  nlohmann::ordered_json json = {{"seed", campaign.order.seed}, {"full", campaign.order.full}};
+  nlohmann::ordered_json json = {{"seed", campaign.order.seed},
+                                 {"realism", campaign.order.config.simulation.realism},
+                                 {"full", campaign.order.full}};
   json["cells"] = campaign.cells.size();
   json["failed"] = to_json(failed_table(campaign));
   json["double_faults"] = {{"held", held}, {"of", campaign.pairs.size()}};
@@ -285,7 +285,8 @@ std::string to_json(const Campaign& campaign) {
 }
 
 std::string to_text(const Campaign& campaign) {
-  std::string text = summary_of(campaign) + " Simulation only.\n";
+  std::string text = summary_of(campaign) + fmt::format(" Simulation only, world `{}`.\n",
+                                                        campaign.order.config.simulation.realism);
   for (const Table& table : {class_table(campaign), pair_table(campaign), session_table(campaign),
                              people_table(campaign), worst_table(campaign), random_table(campaign),
                              failed_table(campaign)})

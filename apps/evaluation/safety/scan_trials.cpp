@@ -58,8 +58,8 @@ double max_error_m(const sim::Person& person, const body::Mapping& located) {
   return max_m;
 }
 
-Result<SessionCell> run_scan_cell(const ScanClass& kind, BodyPosture position, std::uint64_t seed) {
-  const session::Config config;
+Result<SessionCell> run_scan_cell(const ScanClass& kind, BodyPosture position, std::uint64_t seed,
+                                  const session::Config& config) {
   auto room = make_room({.position = position}, config, {.quiet = true, .seed = seed});
   if (!room) return tl::unexpected(room.error());
   sim::FaultyScanner faulty(room->world->camera(), room->world->turntable(), kind.fault, seed);
@@ -87,7 +87,8 @@ Result<SessionCell> run_scan_cell(const ScanClass& kind, BodyPosture position, s
 
 }  // namespace
 
-Result<std::vector<SessionCell>> run_scan_cells(std::uint64_t seed, const Progress& progress) {
+Result<std::vector<SessionCell>> run_scan_cells(std::uint64_t seed, const session::Config& config,
+                                                const Progress& progress) {
   constexpr std::array positions = {BodyPosture::sitting, BodyPosture::prone};
   std::vector<SessionCell> cells(positions.size() * scan_classes().size());
   std::mutex guard;
@@ -95,7 +96,7 @@ Result<std::vector<SessionCell>> run_scan_cells(std::uint64_t seed, const Progre
   for_each_in_parallel(
       cells.size(),
       [&](std::size_t k) {
-        auto cell = run_scan_cell(scan_classes()[k / 2], positions[k % 2], seed);
+        auto cell = run_scan_cell(scan_classes()[k / 2], positions[k % 2], seed, config);
         const std::lock_guard lock(guard);
         if (cell) cells[k] = std::move(*cell);
         if (!cell && !failure) failure = cell.error();

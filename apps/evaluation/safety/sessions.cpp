@@ -106,8 +106,8 @@ void judge(const SessionTrial& trial, const Bystander& saw, const session::Sessi
     cell.broken.push_back(fmt::format("{:.1f} N, {:.0f} allowed", saw.max_force_n, trip_n));
 }
 
-Result<SessionCell> run_session_cell(const SessionTrial& trial, std::uint64_t seed) {
-  session::Config config;
+Result<SessionCell> run_session_cell(const SessionTrial& trial, std::uint64_t seed,
+                                     session::Config config) {
   config.simulation.shift_mm = to_mm(trial.moved_m);
   config.simulation.shift_at_s = 0.5;
   const CommonOptions common{.quiet = true, .seed = seed};
@@ -150,14 +150,16 @@ const std::array<FaultClass, 3>& habits() {
 
 }  // namespace
 
-Result<std::vector<SessionCell>> run_session_cells(std::uint64_t seed, const Progress& progress) {
+Result<std::vector<SessionCell>> run_session_cells(std::uint64_t seed,
+                                                   const session::Config& config,
+                                                   const Progress& progress) {
   std::vector<SessionCell> cells(session_trials().size());
   std::mutex guard;
   std::optional<Error> failure;
   for_each_in_parallel(
       cells.size(),
       [&](std::size_t k) {
-        auto cell = run_session_cell(session_trials()[k], seed);
+        auto cell = run_session_cell(session_trials()[k], seed, config);
         const std::lock_guard lock(guard);
         if (cell) cells[k] = std::move(*cell);
         if (!cell && !failure) failure = cell.error();
@@ -167,9 +169,8 @@ Result<std::vector<SessionCell>> run_session_cells(std::uint64_t seed, const Pro
   return cells;
 }
 
-Result<CleanSession> run_clean_session(std::uint64_t seed) {
+Result<CleanSession> run_clean_session(std::uint64_t seed, const session::Config& config) {
   constexpr std::array people = {"phantom:slim", "phantom:medium", "phantom:hefty"};
-  const session::Config config;
   const SessionOrder order{.person = people[seed % people.size()],
                            .position = seed % 2 == 0 ? BodyPosture::sitting : BodyPosture::prone,
                            .programme = "full_back_20min"};

@@ -223,7 +223,7 @@ Result<std::vector<Site>> sites_on(const sim::Person& person) {
 
 }  // namespace
 
-Result<std::vector<Site>> make_sites(std::uint64_t seed) {
+Result<std::vector<Site>> make_sites(std::uint64_t seed, const sim::WorldOptions& world) {
   struct Job {
     BodyPosture position;
     sim::BodyType type;
@@ -244,6 +244,7 @@ Result<std::vector<Site>> make_sites(std::uint64_t seed) {
     if (!of_person) return tl::unexpected(of_person.error());
     std::move(of_person->begin(), of_person->end(), std::back_inserter(sites));
   }
+  for (Site& site : sites) site.world = world;
   return sites;
 }
 

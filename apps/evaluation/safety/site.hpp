@@ -10,6 +10,7 @@
 #include "tuina/safety/limits.hpp"
 #include "tuina/safety/zone_field.hpp"
 #include "tuina/sim/person/tissue_map.hpp"
+#include "tuina/sim/world.hpp"
 
 namespace tuina::app {
 
@@ -34,6 +35,7 @@ struct Site {
   JointVector above_rad, aside_rad;  ///< tool 25 mm above the place; 60 mm above and 100 mm aside
   PerArm<JointVector> ready_rad;
   double apparent_mass_kg = 0.0;  ///< that a push along the normal feels
+  sim::WorldOptions world;        ///< how unkind person, arm and wrist are there
 
   /// Tip of the tool over the place, in couch coordinates.
   [[nodiscard]] Vector3 above_in_couch(double height_m) const {
@@ -44,6 +46,7 @@ struct Site {
 /// Where the table of cells presses: bone, hard and soft tissue, and two low places where the arm
 /// is folded and heavy. On three builds who sit and three who lie, for both arms, planned as a
 /// session plans them.
-[[nodiscard]] Result<std::vector<Site>> make_sites(std::uint64_t seed);
+[[nodiscard]] Result<std::vector<Site>> make_sites(std::uint64_t seed,
+                                                   const sim::WorldOptions& world);
 
 }  // namespace tuina::app

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "apps/simulated/session_order.hpp"
 #include "tuina/core/units.hpp"
 
 namespace tuina::app {
@@ -30,7 +31,8 @@ safety::Phase phase_of(Stage stage) {
 
 TrialArm::TrialArm(const Site& site)
     : site_(site),
-      models_(robot::both_models(robot::thesis_arm(), site.mount)),
+      models_(robot::both_models(believed_gears(robot::thesis_arm(), site.world.devices.flaws),
+                                 site.mount)),
       controlled_{.of = {session::ControlledArm(models_[Arm::left], without_learning),
                          session::ControlledArm(models_[Arm::right], without_learning)}},
       guard_(models_, {.obstacles = site.mount.obstacles, .field = site.field}) {}

@@ -10,7 +10,6 @@ namespace tuina::app {
 namespace {
 
 constexpr double beside_m = 5_mm;  // where other tissue begins
-constexpr sim::Breathing quiet_breath = {.amplitude_m = 3_mm, .frequency_hz = 0.25};
 
 /// The arm above its place, its elbow turned as far as the trial wants it.
 JointVector start_rad(const TrialPlan& plan) {
@@ -48,12 +47,16 @@ sim::BackContact skin_of(const TrialPlan& plan) {
     return tissue;
   };
   std::vector<TangentTissue> tissues(site.skin_in_couch.vertices.size(), scaled(site.tissue));
-  sim::ContactOptions options{.breathing = quiet_breath};
+  sim::ContactOptions options{.torso_n_per_m = site.world.torso_n_per_m,
+                              .friction = site.world.skin_friction,
+                              .breathing = site.world.breathing,
+                              .living = site.world.living,
+                              .seed = plan.seed};
   for (const Onset& onset : plan.onsets) {
     const Injection& injection = onset.fault->injection;
     if (injection.breathing.amplitude_m > 0.0) {
-      options.breathing = injection.breathing;
-      options.breathing.amplitude_m *= onset.severity;
+      options.breathing.amplitude_m = onset.severity * injection.breathing.amplitude_m;
+      options.breathing.frequency_hz = injection.breathing.frequency_hz;
     }
     for (std::size_t i = 0; i < tissues.size(); ++i) {
       const Vector3 from_place = site.skin_in_couch.vertices[i] - site.at_in_couch;
@@ -70,7 +73,10 @@ Result<std::unique_ptr<sim::Plant>> plant_of(const TrialPlan& plan, sim::BackCon
   const Site& site = *plan.site;
   PerArm<robot::ArmTable> arms;
   for (const Arm arm : both_arms)
-    arms[arm] = sim::draw_arm(robot::thesis_arm(), {.friction_scale = plan.friction_scale}, random);
+    arms[arm] = sim::draw_arm(robot::thesis_arm(),
+                              {.friction_scale = plan.friction_scale,
+                               .tool_mass_share = site.world.arm_errors.tool_mass_share},
+                              random);
   robot::ArmTable& works = arms[site.arm];
   for (const Onset& onset : plan.onsets) {
     works.tool_mass_kg += onset.fault->injection.tool_kg;
@@ -80,7 +86,8 @@ Result<std::unique_ptr<sim::Plant>> plant_of(const TrialPlan& plan, sim::BackCon
   sim::Plant::Start start{.q_rad = site.ready_rad, .rail_m = site.rail_m};
   const bool above = first_stage(plan) == Stage::approach;
   start.q_rad[site.arm] = above ? start_rad(plan) : site.aside_rad;
-  return sim::Plant::make(site.mount, arms, start, &skin, {.seed = plan.seed});
+  return sim::Plant::make(site.mount, arms, start, &skin,
+                          {.seed = plan.seed, .flaws = site.world.devices.flaws});
 }
 
 }  // namespace tuina::app
