@@ -8,22 +8,6 @@
 using namespace tuina;
 using namespace tuina::safety;
 
-namespace {
-
-/// A retreat from skin that faces up and pushes the tool with that force.
-Scene retreating(double felt_n) {
-  Scene scene;
-  scene.face(Vector3::UnitZ());
-  scene.noise_n = 0.0;
-  scene.force_n = felt_n;
-  scene.proposal.virtual_target_in_base = scene.seen.tool_in_base;
-  scene.tick(10);
-  scene.retract();
-  return scene;
-}
-
-}  // namespace
-
 TEST_CASE("a retreat pulls outward at 0.1 m/s, up to 40 N or 50 mm ahead of the tool") {
   Scene scene = retreating(0.0);
   check_same(scene.allowed_n(), 0.08 * scene.normal());

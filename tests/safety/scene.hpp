@@ -98,4 +98,16 @@ inline void check_same(const Vector3& a, const Vector3& b) {
   CHECK((a - b).norm() < 1e-6);
 }
 
+/// A retreat from skin that faces up and pushes the tool with that force.
+inline Scene retreating(double felt_n) {
+  Scene scene;
+  scene.face(Vector3::UnitZ());
+  scene.noise_n = 0.0;
+  scene.force_n = felt_n;
+  scene.proposal.virtual_target_in_base = scene.seen.tool_in_base;
+  scene.tick(10);
+  scene.retract();
+  return scene;
+}
+
 }  // namespace tuina::safety
