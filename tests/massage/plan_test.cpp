@@ -407,7 +407,7 @@ TEST_CASE(
 TEST_CASE("a stroke that is too short, or turns back, is left out with the reason") {
   const Person person;
   for (const auto& [places, why] :
-       {std::pair("[[3.0, 0.9], [3.0, 0.85]]", "mm long: 60 at least"),
+       {std::pair("[[3.0, 0.9], [3.0, 0.85]]", "mm long: 30 at least"),
         std::pair("[[3.0, 0.9], [3.0, 0.9]]", "0.0 mm apart: 1 at least"),
         std::pair("[[3.0, 0.9], [3.0, 0.3], [3.0, 0.8]]", "at place 2: 100 at most")}) {
     CAPTURE(places);

@@ -18,7 +18,8 @@
 namespace tuina::massage {
 namespace {
 
-constexpr double min_stroke_m = 60_mm;
+constexpr double min_kept_m = 60_mm;         // of a stroke that zones cut
+constexpr double min_stroke_m = 30_mm;       // less is within the width of a tool, and a press
 constexpr double max_uncertainty_m = 50_mm;  // a tool sent farther off may come down anywhere
 
 }  // namespace
@@ -161,7 +162,7 @@ PathLayer::MaybePath PathLayer::lay_sliding(const Part& part, const Target& targ
   ZoneWalk zones = walk(*curve, zones_, part.technique);
   if (zones.denied != Zone::muscle) {
     const double kept_m = zones.to_m - zones.from_m;
-    if (law.circles || kept_m < min_stroke_m) return left_out(zones.denied);
+    if (law.circles || kept_m < min_kept_m) return left_out(zones.denied);
     note("note_cut", "cut from {:.0f} to {:.0f} mm at {}", to_mm(curve->length_m()), to_mm(kept_m),
          name_of(zones.denied));
     curve = stretch_of(*curve, zones.from_m, zones.to_m);
