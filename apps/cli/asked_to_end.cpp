@@ -20,14 +20,18 @@ bool second_ends = false;
 void hear(int) {
   ends = true;
   if (!second_ends) return;
+  // A terminal that is closed is told twice, by its shell and by the kernel: nobody has asked
+  // again.
   for (const Heard& one : heard)
-    if (one.taken) (void)std::signal(one.signal, SIG_DFL);
+    if (one.taken && one.signal != SIGHUP) (void)std::signal(one.signal, SIG_DFL);
 }
 
 }  // namespace
 
 void end_when_asked(AskedAgain again) {
   second_ends = again == AskedAgain::ends_at_once;
+  // Who reads along may leave, as `| head` does; arms that move do not hang on it.
+  (void)std::signal(SIGPIPE, SIG_IGN);
   for (Heard& one : heard) {
     one.taken = true;
     if (std::signal(one.signal, hear) != SIG_IGN) continue;

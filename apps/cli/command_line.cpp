@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "apps/cli/say.hpp"
 #include "tuina/core/io/text_lines.hpp"
 #include "tuina/core/io/unfinished_file.hpp"
 #include "tuina/robot/robot_model.hpp"
@@ -43,14 +44,13 @@ Progress progress_bar(const CommonOptions& common, std::string label) {
     const double elapsed_s =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     if (!terminal) {
-      fmt::print(stderr, "{} {} %\n", label, 10 * step);
+      say(fmt::format("{} {} %\n", label, 10 * step));
       return;
     }
     const double left_s = done > 0.02 ? elapsed_s * (1.0 - done) / done : 0.0;
-    fmt::print(stderr, "\r\033[K{:<10} [{:<40}] {:3.0f} %  {:.1f} s{}", label,
-               std::string(static_cast<std::size_t>(step), '#'), 100.0 * done, elapsed_s,
-               done < 1.0 ? fmt::format(", {:.1f} s left", left_s) : "\n");
-    std::fflush(stderr);
+    say(fmt::format("\r\033[K{:<10} [{:<40}] {:3.0f} %  {:.1f} s{}", label,
+                    std::string(static_cast<std::size_t>(step), '#'), 100.0 * done, elapsed_s,
+                    done < 1.0 ? fmt::format(", {:.1f} s left", left_s) : "\n"));
   };
 }
 

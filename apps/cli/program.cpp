@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/cli/program.hpp"
 
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -13,6 +14,7 @@
 
 #include "apps/cli/kept_inputs.hpp"
 #include "apps/cli/manual.hpp"
+#include "apps/cli/say.hpp"
 #include "tuina/core/io/file.hpp"
 #include "tuina/core/io/near_miss.hpp"
 #include "tuina/core/io/text_lines.hpp"
@@ -87,7 +89,7 @@ std::string brief(const std::string& message) {
 }
 
 int explain(const Error& error) {
-  fmt::print(stderr, "tuina: {}\n", brief(error.message));
+  say(fmt::format("tuina: {}\n", brief(error.message)));
   return exit_code_of(error.fault);
 }
 
@@ -124,7 +126,7 @@ int show(const Result<Answer>& answer, const CommonOptions& common) {
   std::string product = common.quiet ? std::string() : answer->product;
   if (common.json) product = answer->json + "\n";
   if (const auto told = print(product); !told) return explain(told.error());
-  if (!common.quiet && !answer->text.empty()) fmt::print(stderr, "{}\n", answer->text);
+  if (!common.quiet && !answer->text.empty()) say(fmt::format("{}\n", answer->text));
   return answer->exit_code;
 }
 
@@ -192,7 +194,7 @@ std::string refusal_of_words(const CLI::App& chosen, const std::vector<std::stri
 int refuse_unknown(const CLI::App& tuina) {
   const std::vector<std::string> words = tuina.remaining(true);
   if (words.empty()) return 0;
-  fmt::print(stderr, "tuina: {}\n", refusal_of_words(chosen_by(tuina), words));
+  say(fmt::format("tuina: {}\n", refusal_of_words(chosen_by(tuina), words)));
   return 1;
 }
 
@@ -229,6 +231,12 @@ int become(const ProgramBeside& other, char** argv) {
       fmt::format("`{}` belongs to the program {}, which ./run build makes", other.verb, path)});
 }
 
+/// A file that is opened while stderr is closed would get its number, and with it all that is said.
+void open_what_is_closed() {
+  for (const int standard : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+    if (::fcntl(standard, F_GETFD) < 0) (void)::open("/dev/null", O_RDWR);
+}
+
 }  // namespace
 
 std::string program_beside(const std::string& name) {
@@ -236,6 +244,7 @@ std::string program_beside(const std::string& name) {
 }
 
 int run_program(int argc, char** argv, const Program& program) {
+  open_what_is_closed();
   for (const ProgramBeside& other : program.beside)
     if (argc > 1 && std::string_view(argv[1]) == other.verb) return become(other, argv);
   CLI::App tuina("tuina: a robot massages a person, here in simulation.", "tuina");
@@ -258,13 +267,13 @@ int run_program(int argc, char** argv, const Program& program) {
   try {
     tuina.parse(argc, argv);
   } catch (const CLI::CallForHelp&) {
-    fmt::print("{}", help_of(chosen_by(tuina)));
+    if (const auto told = print(help_of(chosen_by(tuina))); !told) return explain(told.error());
     return refuse_unknown(tuina);
   } catch (const CLI::CallForVersion&) {
-    fmt::print("tuina {}\n", TUINA_VERSION);
-    return 0;
+    const auto told = print(fmt::format("tuina {}\n", TUINA_VERSION));
+    return told ? 0 : explain(told.error());
   } catch (const CLI::ParseError& error) {
-    fmt::print(stderr, "tuina: {}\nSee `tuina --help`.\n", refusal_of(tuina, argv[1], error));
+    say(fmt::format("tuina: {}\nSee `tuina --help`.\n", refusal_of(tuina, argv[1], error)));
     return 1;
   }
 
@@ -276,7 +285,7 @@ int run_program(int argc, char** argv, const Program& program) {
   }
   const auto found = verb_of.find(&chosen);
   if (found == verb_of.end()) {
-    fmt::print(stderr, "{}", help_of(chosen));
+    say(help_of(chosen));
     return 1;
   }
   if (const auto good = check_folder_of(common.out); !good) return explain(good.error());

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "apps/cli/say.hpp"
 #include "tuina/core/io/file.hpp"
 #include "tuina/core/io/text_lines.hpp"
 
@@ -186,7 +187,7 @@ Result<Answer> Cells::answer(const std::function<Result<Answer>()>& tables) cons
   }
   // One that was done twice has one result, but for computing times; the first is taken.
   if (!repeated_.empty())
-    fmt::print(stderr, "done more than once, counted once: {}\n", fmt::join(repeated_, ", "));
+    say(fmt::format("done more than once, counted once: {}\n", fmt::join(repeated_, ", ")));
   return tables();
 }
 

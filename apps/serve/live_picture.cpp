@@ -6,6 +6,7 @@
 #include <mutex>
 #include <optional>
 
+#include "apps/cli/say.hpp"
 #include "apps/serve/page_port.hpp"
 #include "tuina/core/io/png.hpp"
 #include "tuina/core/stopwatch.hpp"
@@ -138,8 +139,7 @@ Result<void> LivePicture::begin() {
   auto page = Page::open(port_);
   if (!page) return tl::unexpected(page.error());
   page_ = std::move(*page);
-  fmt::print(stderr, "{}\n", page_->address());
-  std::fflush(stderr);
+  say(fmt::format("{}\n", page_->address()));
   return {};
 }
 

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/cli/asked_to_end.hpp"
+#include "apps/cli/say.hpp"
 #include "apps/tuina/robot/simulated_robot.hpp"
 #include "apps/tuina/verbs.hpp"
 #include "tuina/link/guard_process.hpp"
@@ -34,7 +35,7 @@ class GuardVerb final : public Verb {
     if (!link) return tl::unexpected(link.error());
     end_when_asked(AskedAgain::is_nothing_new);
     const std::string granted = link::be_real_time(link::Priority::guard);
-    if (!common.quiet) fmt::print(stderr, "armed: {}; {}\n", link::describe(*arming), granted);
+    if (!common.quiet) say(fmt::format("armed: {}; {}\n", link::describe(*arming), granted));
     const auto report = link::keep_guard(*link, *arming, pace_of(pace_), asked_to_end());
     if (!report) return tl::unexpected(report.error());
     ordered_json json = {{"ticks", report->ticks},

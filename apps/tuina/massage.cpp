@@ -5,6 +5,7 @@
 #include "apps/cli/asked_to_end.hpp"
 #include "apps/cli/fixed_points.hpp"
 #include "apps/cli/position_option.hpp"
+#include "apps/cli/say.hpp"
 #include "apps/serve/live_option.hpp"
 #include "apps/serve/shown_sentence.hpp"
 #include "apps/simulated/keyboard.hpp"
@@ -122,7 +123,7 @@ class Massage final : public Verb {
     order_.fixed = std::move(*fixed);
     if (const auto begun = visit_.begin(order_, out_); !begun) return nothing_done(begun.error());
     if (!common.quiet && !visit_.remembered().empty())
-      fmt::print(stderr, "{}\n", visit_.remembered());
+      say(fmt::format("{}\n", visit_.remembered()));
     const auto begun = live_.asked() ? ros2_.begin() : ros2_.begin(out_);
     if (!begun) return nothing_done(begun.error());
     const auto open = live_.begin(order_, *config, common, ros2_, out_);

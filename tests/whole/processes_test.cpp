@@ -184,6 +184,19 @@ TEST_CASE("arms in a process of their own are there until they have left") {
   CHECK(massage.said().find("asked to stop") != std::string::npos);
 }
 
+TEST_CASE("a terminal that is closed twice over is one request to end") {
+  const Folder folder;
+  Running massage(folder, {"massage", "--pace", "real", "--out", folder / "report"});
+  massage.wait_for("map 100 %");
+  std::this_thread::sleep_for(std::chrono::seconds(3));
+  for (int i = 0; i < 3; ++i) {
+    massage.interrupt(SIGHUP);
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
+  CHECK_MESSAGE(has_exited(massage.end(), 4), massage.said());
+  CHECK(fs::exists(folder / "report/report.html"));
+}
+
 TEST_CASE("who interrupts twice does not wait") {
   const Folder folder;
   Running massage(folder, {"massage", "--pace", "real", "--out", folder / "report"});

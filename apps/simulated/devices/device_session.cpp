@@ -9,6 +9,7 @@
 #include <iostream>
 
 #include "apps/cli/asked_to_end.hpp"
+#include "apps/cli/say.hpp"
 #include "apps/simulated/devices/device_arms.hpp"
 #include "apps/simulated/devices/device_scanner.hpp"
 #include "apps/simulated/devices/felt_recorder.hpp"
@@ -40,9 +41,8 @@ session::Review review_at_terminal(const motion::ReadyPlan& ready, const std::st
     text += fmt::format("  {}, {:.1f} N\n", planned.path.name, planned.ordered_n());
   for (const Sentence& note : ready.plan.notes) text += fmt::format("  {}\n", note.words);
   if (!refused.empty()) text += refused + "\n";
-  fmt::print(stderr, "{}the arms move once you type `{}`; anything else ends here: ", text,
-             word_to_begin);
-  std::fflush(stderr);
+  say(fmt::format("{}the arms move once you type `{}`; anything else ends here: ", text,
+                  word_to_begin));
   // Ctrl-C is a no, too, and does not end the reading of a line.
   pollfd typed{.fd = STDIN_FILENO, .events = POLLIN, .revents = 0};
   while (!asked_to_end() && ::poll(&typed, 1, 50) <= 0) continue;

@@ -10,6 +10,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "apps/cli/say.hpp"
 #include "apps/tuina/scan_device.hpp"
 #include "tuina/calibration/capture/capture.hpp"
 #include "tuina/core/io/file.hpp"
@@ -54,9 +55,8 @@ class Teller {
     const bool kept = told.kept > kept_;
     kept_ = told.kept;
     // The bell tells who looks at the board, not at the screen, that a picture was kept.
-    fmt::print(stderr, "{}{}{}{}", terminal_ ? "\r\033[K" : "", kept && terminal_ ? "\a" : "", line,
-               terminal_ ? "" : "\n");
-    std::fflush(stderr);
+    say(fmt::format("{}{}{}{}", terminal_ ? "\r\033[K" : "", kept && terminal_ ? "\a" : "", line,
+                    terminal_ ? "" : "\n"));
   }
 
  private:
@@ -94,7 +94,7 @@ Result<Answer> calibrate_capture(const std::filesystem::path& folder,
   const calibration::CaptureOptions options{.poses = poses};
   const auto done =
       calibration::capture_shots(*unit->camera, *unit->turntable, *board, folder, options, tell);
-  if (!quiet) fmt::print(stderr, "\n");
+  if (!quiet) say("\n");
   if (!done) return tl::unexpected(done.error());
   return Answer{
       .json = nlohmann::json{{"folder", folder.string()},

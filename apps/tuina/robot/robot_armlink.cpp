@@ -4,6 +4,7 @@
 
 #include "apps/cli/asked_to_end.hpp"
 #include "apps/cli/options.hpp"
+#include "apps/cli/say.hpp"
 #include "apps/simulated/armlink_arms.hpp"
 #include "apps/tuina/robot/hand_option.hpp"
 #include "apps/tuina/robot/simulated_robot.hpp"
@@ -38,7 +39,7 @@ class RobotSimulate final : public Verb {
     end_when_asked(AskedAgain::is_nothing_new);
     if (pace_ == "real") {
       const std::string granted = link::be_real_time(link::Priority::loop);
-      if (!common.quiet) fmt::print(stderr, "the arms wait for their guard; {}\n", granted);
+      if (!common.quiet) say(fmt::format("the arms wait for their guard; {}\n", granted));
     }
     const auto report = keep_robot(*link, *truth, *room->world, pace_of(pace_), asked_to_end());
     if (!report) return tl::unexpected(report.error());
@@ -92,7 +93,7 @@ class RobotArmlink final : public Verb {
     end_when_asked(AskedAgain::is_nothing_new);
     const std::string granted =
         pace_ == "real" ? "; " + link::be_real_time(link::Priority::loop) : "";
-    if (!common.quiet) fmt::print(stderr, "the arms wait for their host{}\n", granted);
+    if (!common.quiet) say(fmt::format("the arms wait for their host{}\n", granted));
     const auto report = arms->keep(*room->world, *truth, asked_to_end());
     if (!report) return tl::unexpected(report.error());
     return SimulatedRobot::answer(*report);

@@ -5,6 +5,7 @@
 
 #include "apps/cli/asked_to_end.hpp"
 #include "apps/cli/options.hpp"
+#include "apps/cli/say.hpp"
 #include "apps/simulated/can/can_arms.hpp"
 #include "apps/tuina/robot/hand_option.hpp"
 #include "apps/tuina/robot/simulated_robot.hpp"
@@ -64,7 +65,7 @@ class RobotCan final : public Verb {
       return tl::unexpected(written.error());
     (*arms)->feel_by(std::move(*wrists));
     end_when_asked(AskedAgain::is_nothing_new);
-    if (!common.quiet) fmt::print(stderr, "the drives wait for their host\n");
+    if (!common.quiet) say("the drives wait for their host\n");
     const auto report = (*arms)->keep(*room->world, *truth, asked_to_end());
     if (!report) return tl::unexpected(report.error());
     return SimulatedRobot::answer(*report);
