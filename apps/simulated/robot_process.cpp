@@ -44,7 +44,7 @@ auto wait_for_answer(link::Link& link, std::uint64_t tick, link::Link::Deadline 
 bool rests(const link::Link& link) {
   const auto stand = link.stand();
   const auto drive = link.drive();
-  return stand && stand->ends == 0 && drive && drive->guard != stand->guard;
+  return link.maker_lives() && stand && stand->ends == 0 && drive && drive->guard != stand->guard;
 }
 
 /// While the person is scanned again, arms and time of this robot stand still, as they do for a
@@ -59,6 +59,11 @@ void wait_for_guard(link::Link& link, const std::atomic<bool>& ends) {
 
 std::string truth_name(const std::string& link) {
   return "/tuina-" + link + "-truth";
+}
+
+void clear_left(const std::string& link) {
+  link::Link::clear_left(link);
+  link::SharedMemory::clear_left(truth_name(link));
 }
 
 void RobotReport::see(const sim::PlantTruth& truth) noexcept {
@@ -208,7 +213,13 @@ Result<std::unique_ptr<Processes>> Processes::start(const std::vector<std::strin
   const auto start_guard = [&all, with_link](const link::Arming& arming) {
     return all.start_guard(arming, with_link({"tuina", "guard", "--arm", all.arming_file_}));
   };
-  all.robot_ = std::make_unique<link::LinkedRobot>(std::move(*link), pace, start_guard);
+  // It tells much of a person's back, and is not left when this process is killed.
+  const auto guard_began = [&all] {
+    std::error_code ignored;
+    std::filesystem::remove(all.arming_file_, ignored);
+  };
+  all.robot_ =
+      std::make_unique<link::LinkedRobot>(std::move(*link), pace, start_guard, guard_began);
   std::vector<std::string> robot = {"tuina", "robot", "simulate"};
   robot.insert(robot.end(), robot_arguments.begin(), robot_arguments.end());
   if (auto started = all.run(with_link(std::move(robot))); !started)

@@ -30,6 +30,8 @@ struct TruthPage {
 };
 using SharedTruth = link::SharedPage<TruthPage>;
 [[nodiscard]] std::string truth_name(const std::string& link);
+/// Takes away what a session that was killed shared with its guard and its robot.
+void clear_left(const std::string& link);
 
 /// What a simulated robot tells when it ends.
 struct RobotReport {
@@ -48,7 +50,8 @@ void tell_truth(SharedTruth& shared, std::uint64_t tick, const sim::PlantTruth& 
 
 /// The robot of a world as a process: stands where the session wants it, then tells its sensors and
 /// does what the guard says, until the session is over, `ends`, or the guard has been silent for
-/// three seconds of the robot's time. Fails with Fault::device when no guard comes.
+/// three seconds of the robot's time, as it is once the session was killed. Fails with
+/// Fault::device when no guard comes.
 [[nodiscard]] Result<RobotReport> keep_robot(link::Link& link, SharedTruth& truth,
                                              sim::World& world, link::Pace pace,
                                              const std::atomic<bool>& ends);

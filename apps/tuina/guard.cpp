@@ -37,6 +37,7 @@ class GuardVerb final : public Verb {
     const std::string granted = link::be_real_time(link::Priority::guard);
     if (!common.quiet) say(fmt::format("armed: {}; {}\n", link::describe(*arming), granted));
     const auto report = link::keep_guard(*link, *arming, pace_of(pace_), asked_to_end());
+    link::Link::clear_left(link_);
     if (!report) return tl::unexpected(report.error());
     ordered_json json = {{"ticks", report->ticks},
                          {"silent_ticks", report->silent_ticks},

@@ -170,6 +170,29 @@ TEST_CASE("a guard that is to end goes on until no tool has pressed for half a s
   CHECK(robot.report->last[Arm::left].latched);
 }
 
+TEST_CASE("a guard whose controller has died goes on until the tools have left, and no longer") {
+  Guarded robot("orphan");
+  robot.tick();
+  for (; robot.body_n < 20.0; robot.body_n += 0.5) robot.tick();
+  robot.controller = fail(Fault::device, "killed");
+  CHECK_FALSE(robot.drives->maker_lives());
+  for (int i = 0; i < 700; ++i) robot.tick(false);
+  CHECK(robot.tick(false).arms[Arm::left].action == safety::Action::retract);
+  for (; robot.body_n > 0.0; robot.body_n -= 0.5) robot.tick(false);
+  const std::uint64_t left_tick = robot.ticks;
+  for (int i = 0; i < 480; ++i) robot.tick(false);
+  for (int i = 0; i < 60; ++i, ++robot.ticks) {  // nobody may be there to answer these
+    (void)robot.sense();
+    wire::SensorFrame frame = wire::to_frame(robot.reading);
+    frame.stands = 1;
+    robot.drives->write(frame);
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  robot.over();
+  REQUIRE(robot.report.has_value());
+  CHECK(robot.report->ticks <= left_tick + 510);
+}
+
 TEST_CASE("a leased robot leaves when a stop in a hand has been silent for half a second") {
   Guarded robot("lease", true);
   for (std::uint64_t tick = 1; tick <= 700; ++tick) {

@@ -100,6 +100,25 @@ class Running {
   pid_t process_ = 0;
 };
 
+/// Whether any process has this among its words.
+bool runs_with(const std::string& word) {
+  std::error_code gone;
+  for (const auto& process : fs::directory_iterator("/proc")) {
+    const auto words = tuina::read_file(process.path() / "cmdline").value_or("");
+    if (words.find(word) != std::string::npos) return true;
+  }
+  return false;
+}
+
+/// What is left under a name: memory, and what a guard was armed with.
+int left_of(const std::string& link) {
+  int left = 0;
+  for (const fs::path& folder : {fs::path("/dev/shm"), fs::temp_directory_path()})
+    for (const auto& file : fs::directory_iterator(folder))
+      left += file.path().filename().string().starts_with("tuina-" + link) ? 1 : 0;
+  return left;
+}
+
 bool has_exited(int status, int code) {
   return WIFEXITED(status) && WEXITSTATUS(status) == code;
 }
@@ -182,6 +201,27 @@ TEST_CASE("arms in a process of their own are there until they have left") {
   massage.interrupt(SIGINT);
   CHECK_MESSAGE(has_exited(massage.end(), 4), massage.said());
   CHECK(massage.said().find("asked to stop") != std::string::npos);
+}
+
+TEST_CASE("guard and robot of a session that was killed let go and end, and leave nothing") {
+  const Folder folder;
+  const std::string link = "orphan-" + std::to_string(getpid());
+  Running massage(folder, {"massage", "--processes", "--pace", "real", "--link", link, "--out",
+                           folder / "report"});
+  massage.wait_for("map 100 %");
+  std::this_thread::sleep_for(std::chrono::seconds(4));
+  CHECK(runs_with(link));
+  CHECK(left_of(link) == 7);
+  massage.interrupt(SIGINT);
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  massage.interrupt(SIGINT);
+  const int status = massage.end();
+  CHECK((WIFSIGNALED(status) && WTERMSIG(status) == SIGINT));
+  CHECK(runs_with(link));  // the arms are not left where they press
+  for (int i = 0; i < 300 && runs_with(link); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  CHECK_FALSE(runs_with(link));
+  CHECK(left_of(link) == 0);
 }
 
 TEST_CASE("a terminal that is closed twice over is one request to end") {

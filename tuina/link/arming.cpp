@@ -174,7 +174,7 @@ Result<void> write_arming(const std::string& file, const Arming& arming) {
   Writer writer;
   writer.bytes = bytes_of(arming);
   writer.item(crc_of(writer.bytes));
-  return write_file(file, writer.bytes);
+  return write_file(file, writer.bytes, Readers::owner);
 }
 
 Result<Arming> parse_arming(const std::string& bytes, const std::string& name) {

@@ -18,7 +18,7 @@ struct Arming {
   safety::RobotGuard::Options options;
 };
 
-/// A binary file of this version, with a check sum. Fails with Fault::file.
+/// A binary file of this version, with a check sum, for its owner alone. Fails with Fault::file.
 [[nodiscard]] Result<void> write_arming(const std::string& file, const Arming& arming);
 
 /// Fails with Fault::file, Fault::bad_input where the file is cut, spoilt or of another version, or

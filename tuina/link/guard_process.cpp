@@ -24,6 +24,9 @@ constexpr double max_in_air_n = 5.0;
 // Who ends this process wants no hands on the person: it guards until it has felt no body under
 // either tool for so long.
 constexpr int has_left_ticks = 500;
+// How often a guard without a word looks whether its controller was killed; one that hangs may come
+// back.
+constexpr std::uint64_t look_every_ticks = 50;
 
 safety::RobotProposal still(const PerArm<robot::ArmModel>& models,
                             const robot::RobotReading& reading) {
@@ -114,7 +117,7 @@ Result<GuardReport> keep_guard(Link& link, const Arming& arming, Pace pace,
   std::optional<std::uint64_t> last_tick;
   safety::RobotProposal proposal;
   std::optional<std::uint64_t> answered;
-  bool there = true, told_to_stop = false, leaves = false;
+  bool there = true, told_to_stop = false, leaves = false, abandoned = false;
   for (int left_ticks = 0; left_ticks < has_left_ticks;) {
     const auto sensed = next_frame(link, last_tick, own);
     if (!sensed && (last_tick || ends)) break;
@@ -143,7 +146,7 @@ Result<GuardReport> keep_guard(Link& link, const Arming& arming, Pace pace,
       if (answer->stop_asked != 0 && !told_to_stop) guard.expect_stop();
       told_to_stop = answer->stop_asked != 0;
     } else {
-      ++report.silent_ticks;
+      if (++report.silent_ticks % look_every_ticks == 0) abandoned = !link.maker_lives();
     }
     set_age(proposal, answered ? reading.tick - *answered : report.silent_ticks);
     hear_watchers(link, guard);
@@ -159,7 +162,7 @@ Result<GuardReport> keep_guard(Link& link, const Arming& arming, Pace pace,
     ++report.ticks;
     report.max_check_us = std::max(report.max_check_us, took.count());
     report.last = verdict.arms;
-    left_ticks = leaves && !guard.pressed() ? left_ticks + 1 : 0;
+    left_ticks = (leaves || abandoned) && !guard.pressed() ? left_ticks + 1 : 0;
   }
   return report;
 }

@@ -24,10 +24,10 @@ struct GuardReport {
 };
 
 /// The guard as a process: judges each reading of the drives until they end, are silent for twenty
-/// seconds, the session rests its arms, or `ends`: then both arms leave, and half a second after
-/// the last of them pressed it is over. First it tries itself on the first reading: an
-/// arm that stands must pass, a torque that is no number and a stop must latch, and the wrist
-/// sensors must feel less than 5 N in the air. Fails with Fault::device when that is not so.
+/// seconds, the session rests its arms, `ends`, or the controller has died: then both arms leave,
+/// and half a second after the last of them pressed it is over. First it tries itself on the first
+/// reading: an arm that stands must pass, a torque that is no number and a stop must latch, and the
+/// wrist sensors must feel less than 5 N in the air. Fails with Fault::device when that is not so.
 [[nodiscard]] Result<GuardReport> keep_guard(Link& link, const Arming& arming, Pace pace,
                                              const std::atomic<bool>& ends);
 

@@ -4,6 +4,15 @@
 #include <cerrno>
 
 namespace tuina::link {
+namespace {
+
+constexpr std::array called = {"operating", "hand-stop"};  // by those who watch
+
+std::string prefix_of(const std::string& name) {
+  return "/tuina-" + name + "-";
+}
+
+}  // namespace
 
 Result<Link> Link::map(const std::string& name, Role role, bool make) {
   using Use = SharedMemory::Use;
@@ -13,7 +22,7 @@ Result<Link> Link::map(const std::string& name, Role role, bool make) {
     return fail(Fault::usage, "--link `{}`: letters, digits, - and _ are needed", name);
   Link link;
   link.role_ = role;
-  const std::string prefix = "/tuina-" + name + "-";
+  const std::string prefix = prefix_of(name);
   const auto use = [&](Role writer) {
     return make ? Use::make : role == writer ? Use::write : Use::read;
   };
@@ -24,7 +33,6 @@ Result<Link> Link::map(const std::string& name, Role role, bool make) {
   auto guard = SharedPage<Guard>::map(prefix + "guard", use(Role::guard));
   if (!guard) return tl::unexpected(guard.error());
   constexpr std::array watching = {Role::operating, Role::hand_stop};
-  constexpr std::array called = {"operating", "hand-stop"};
   for (std::size_t i = 0; i < safety::watchers; ++i) {
     auto watch = SharedPage<Watch>::map(prefix + called[i], use(watching[i]));
     if (!watch) return tl::unexpected(watch.error());
@@ -52,6 +60,12 @@ Result<Link> Link::create(const std::string& name, Role role) {
 
 Result<Link> Link::open(const std::string& name, Role role) {
   return map(name, role, false);
+}
+
+void Link::clear_left(const std::string& name) {
+  for (const char* page : {"drives", "controller", "guard", "bells"})
+    SharedMemory::clear_left(prefix_of(name) + page);
+  for (const char* page : called) SharedMemory::clear_left(prefix_of(name) + page);
 }
 
 void Link::ring() noexcept {

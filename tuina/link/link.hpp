@@ -30,6 +30,12 @@ class Link {
   /// Fails with Fault::device when there is none, or one of another layout.
   [[nodiscard]] static Result<Link> open(const std::string& name, Role role);
 
+  /// Takes away the memory of a session that was killed; that of a living one stays. Whoever was
+  /// with it keeps what is mapped.
+  static void clear_left(const std::string& name);
+  /// Whether the process that has made the memory, the controller of a session, still lives.
+  [[nodiscard]] bool maker_lives() const noexcept { return controller_.maker_lives(); }
+
   /// Writes a frame of this process' own kind and rings.
   void write(const wire::SensorFrame& frame) noexcept;
   /// @{

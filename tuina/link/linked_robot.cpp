@@ -40,6 +40,7 @@ Result<void> LinkedRobot::arm(const Arming& arming) {
   });
   if (!ready)
     return fail(Fault::device, "the guard has not begun within {} s", start_patience.count());
+  if (guard_began_) guard_began_();
   // A thread that must wait for its turn longer than the guard waits for it stops the massage.
   if (pace_ == Pace::real) (void)be_real_time(Priority::loop);
   armed_ = true;

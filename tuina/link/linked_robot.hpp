@@ -15,8 +15,13 @@ namespace tuina::link {
 class LinkedRobot final : public robot::Robot, public Supervisor {
  public:
   /// `start_guard` starts the process that is to guard with this arming; it need not wait for it.
-  LinkedRobot(Link link, Pace pace, std::function<Result<void>(const Arming&)> start_guard)
-      : link_(std::move(link)), pace_(pace), start_guard_(std::move(start_guard)) {}
+  /// `guard_began` is called, if given, once that process has understood it.
+  LinkedRobot(Link link, Pace pace, std::function<Result<void>(const Arming&)> start_guard,
+              std::function<void()> guard_began = {})
+      : link_(std::move(link)),
+        pace_(pace),
+        start_guard_(std::move(start_guard)),
+        guard_began_(std::move(guard_began)) {}
   /// Tells the drives that the session is over.
   ~LinkedRobot() override;
 
@@ -44,6 +49,7 @@ class LinkedRobot final : public robot::Robot, public Supervisor {
   Link link_;
   Pace pace_;
   std::function<Result<void>(const Arming&)> start_guard_;
+  std::function<void()> guard_began_;
   bool armed_ = false, stop_asked_ = false;
   wire::StandFrame wish_;
   std::optional<std::uint64_t> last_tick_;

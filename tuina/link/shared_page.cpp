@@ -67,6 +67,14 @@ Result<SharedMemory> SharedMemory::map(const std::string& name, std::size_t byte
   return memory;
 }
 
+bool SharedMemory::maker_lives() const noexcept {
+  return made_ || made_by_the_living(file_);
+}
+
+void SharedMemory::clear_left(const std::string& name) noexcept {
+  (void)clear(name);
+}
+
 SharedMemory& SharedMemory::operator=(SharedMemory&& other) noexcept {
   std::swap(name_, other.name_);
   std::swap(begin_, other.begin_);

@@ -66,6 +66,10 @@ class SharedMemory {
   SharedMemory& operator=(SharedMemory&& other) noexcept;
   ~SharedMemory();
   [[nodiscard]] void* begin() const noexcept { return begin_; }  ///< first byte
+  /// Whether the process that has made it still lives.
+  [[nodiscard]] bool maker_lives() const noexcept;
+  /// Takes away memory of this name whose maker was killed; that of a living one stays.
+  static void clear_left(const std::string& name) noexcept;
 
  private:
   std::string name_;
@@ -93,6 +97,8 @@ class SharedPage {
   }
   /// What the processes share.
   [[nodiscard]] Content* operator->() const noexcept { return &page_->content; }
+  /// As `SharedMemory::maker_lives`.
+  [[nodiscard]] bool maker_lives() const noexcept { return memory_.maker_lives(); }
 
  private:
   struct Page {

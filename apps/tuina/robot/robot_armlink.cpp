@@ -42,6 +42,7 @@ class RobotSimulate final : public Verb {
       if (!common.quiet) say(fmt::format("the arms wait for their guard; {}\n", granted));
     }
     const auto report = keep_robot(*link, *truth, *room->world, pace_of(pace_), asked_to_end());
+    clear_left(link_);
     if (!report) return tl::unexpected(report.error());
     return SimulatedRobot::answer(*report);
   }
