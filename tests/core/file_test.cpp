@@ -4,6 +4,12 @@
 #include "tuina/core/io/unfinished_file.hpp"
 
 #include <doctest/doctest.h>
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <thread>
 
 #include "tests/folder.hpp"
 
@@ -66,6 +72,83 @@ TEST_CASE("what a killed session has left is not written over, nor what a link t
   CHECK(write_file(folder / "empty.csv", "x").has_value());
   CHECK_FALSE(check_can_begin(folder / std::string(251, 'a')).has_value());
   CHECK(check_can_begin(folder / std::string(250, 'a')).has_value());
+}
+
+TEST_CASE("what cannot be brought to its place is left as the part, and the error says so") {
+  const test::Folder folder;
+  auto file = FileWriter::open(folder / "session.mcap");
+  REQUIRE(file.has_value());
+  REQUIRE(file->append("an hour of it").has_value());
+  fs::create_directory(folder / "session.mcap");
+  const auto finished = file->finish();
+  REQUIRE_FALSE(finished.has_value());
+  CHECK(finished.error().message.find("is left as " + folder / "session.mcap.part") !=
+        std::string::npos);
+  CHECK(read_file(folder / "session.mcap.part").value() == "an hour of it");
+}
+
+TEST_CASE("a part that others can read, and one that is no file, are not written to") {
+  const test::Folder folder;
+  fs::create_hard_link(folder.with("mine.csv", ""), folder / "linked.csv.part");
+  REQUIRE(::mkfifo((folder / "pipe.csv.part").c_str(), 0600) == 0);
+  fs::create_directory(folder / "folder.csv.part");
+  std::vector<std::string> names = {"linked.csv", "pipe.csv", "folder.csv"};
+  constexpr uid_t nobody = 65534;
+  if (::geteuid() == 0) {  // nobody else can give a file away
+    const std::string theirs = folder.with("theirs.csv.part", "");
+    REQUIRE(::chown(theirs.c_str(), nobody, nobody) == 0);
+    REQUIRE(::chmod(theirs.c_str(), 0666) == 0);
+    names.emplace_back("theirs.csv");
+  }
+  for (const std::string& name : names) {
+    CAPTURE(name);
+    for (const auto& refused : {check_can_begin(folder / name), write_file(folder / name, "x")}) {
+      REQUIRE_FALSE(refused.has_value());
+      CHECK(refused.error().message.starts_with(folder / name + ".part: is there already"));
+    }
+  }
+}
+
+TEST_CASE("writers of one file lose nothing to each other: who has begun it finishes it") {
+  const test::Folder folder;
+  const auto path = folder.path() / "told.csv";
+  std::atomic<int> lost = 0, finished = 0;
+  const auto write_again_and_again = [&] {
+    for (int i = 0; i < 6000; ++i) {
+      auto file = FileWriter::open(path);
+      if (!file || i % 8 != 0) continue;  // most of them give up
+      if (!file->append("x") || !file->finish())
+        ++lost;
+      else
+        ++finished;
+    }
+  };
+  std::vector<std::thread> writers;
+  for (int i = 0; i < 4; ++i) writers.emplace_back(write_again_and_again);
+  for (std::thread& writer : writers) writer.join();
+  CHECK(lost == 0);
+  CHECK(finished > 0);
+  CHECK(read_file(path).value() == "x");
+  CHECK_FALSE(fs::exists(path.string() + ".part"));
+}
+
+TEST_CASE("a descriptor of this process takes more at its own end, as >> of a shell wants it") {
+  const test::Folder folder;
+  const std::string log = folder.with("log", "before\n");
+  const int descriptor = ::open(log.c_str(), O_WRONLY | O_APPEND);
+  REQUIRE(descriptor >= 0);
+  fs::create_symlink("/proc/self/fd", folder / "fd");
+  for (const std::string& by :
+       {"/proc/self/fd/" + std::to_string(descriptor), "/dev/fd/" + std::to_string(descriptor),
+        folder / "fd/" + std::to_string(descriptor)}) {
+    CAPTURE(by);
+    CHECK(check_can_begin(by).has_value());
+    CHECK(write_file(by, "more\n").has_value());
+  }
+  ::close(descriptor);
+  CHECK(read_file(log).value() == "before\nmore\nmore\nmore\n");
+  CHECK_FALSE(fs::exists(log + ".part"));
+  CHECK_FALSE(write_file("/proc/self/fd/" + std::to_string(descriptor), "x").has_value());
 }
 
 TEST_CASE("a file that is written over keeps its rights") {

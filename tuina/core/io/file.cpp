@@ -39,6 +39,57 @@ void sync_folder_of(const std::filesystem::path& path) {
   if (opened.fd >= 0) (void)::fsync(opened.fd);  // some file systems know no such thing
 }
 
+/// A descriptor of this process takes more at its own end, as the shell has opened it.
+int open_in_place(const std::filesystem::path& path) {
+  if (const auto own = open_descriptor_of(path)) return ::fcntl(*own, F_DUPFD_CLOEXEC, 0);
+  return ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
+}
+
+/// Whether the file that was opened still has that name: its writer may have renamed it since.
+bool is_still(const std::filesystem::path& name, const struct stat& opened) {
+  struct stat now {};
+  return ::lstat(name.c_str(), &now) == 0 && now.st_dev == opened.st_dev &&
+         now.st_ino == opened.st_ino;
+}
+
+/// Opens and locks the part of a file. It is made here, or it is empty and of this user: what is in
+/// it may be all that is left of a session, and what is somebody else's may be read by them.
+Result<int> open_part(const std::filesystem::path& path, const std::filesystem::path& part,
+                      mode_t rights) {
+  constexpr int max_tries = 1000;  // each of them lost to another program that was done with it
+  // A pipe of that name would be waited for.
+  constexpr int anyhow = O_WRONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK;
+  for (int i = 0; i < max_tries; ++i) {
+    int descriptor = ::open(part.c_str(), anyhow | O_CREAT | O_EXCL, rights);
+    const bool made = descriptor >= 0;
+    if (!made && errno != EEXIST)
+      return fail(Fault::file, "{}: cannot be written: {}", path.string(), std::strerror(errno));
+    if (!made) descriptor = ::open(part.c_str(), anyhow);
+    if (descriptor < 0 && errno == ENOENT) continue;
+    if (descriptor < 0) return tl::unexpected(left_there(part));
+    // What another program writes at this moment is not cut off. Some file systems know no locks.
+    const bool taken = ::flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+    struct stat found {};
+    const bool known = ::fstat(descriptor, &found) == 0;
+    const bool is_there = known && is_still(part, found);
+    // Of one that was made here the file system may say another user.
+    if (!taken && is_there && (is_empty_and_own(found) || (made && found.st_size == 0)))
+      return descriptor;
+    ::close(descriptor);
+    if (taken) return fail(Fault::file, "{}: another program is writing it", path.string());
+    if (is_there) return tl::unexpected(left_there(part));
+  }
+  return fail(Fault::file, "{}: other programs write it again and again", path.string());
+}
+
+/// Whether what was written is on the disk. A file system over a network may say only when a
+/// descriptor is closed that it is full, and the file is still needed for its lock.
+bool is_on_disk(int descriptor) {
+  if (::fsync(descriptor) != 0 && errno != EINVAL) return false;
+  const int again = ::dup(descriptor);
+  return again >= 0 && ::close(again) == 0;
+}
+
 }  // namespace
 
 Result<std::string> read_file(const std::filesystem::path& path, std::size_t limit_bytes) {
@@ -84,10 +135,11 @@ FileWriter::FileWriter(FileWriter&& other) noexcept
       written_to_(std::move(other.written_to_)),
       descriptor_(std::exchange(other.descriptor_, -1)) {}
 
+// The name goes before the lock does: whoever comes next then finds its own file, not this one.
 FileWriter::~FileWriter() {
   if (descriptor_ < 0) return;
-  close();
   if (!in_place()) ::unlink(written_to_.c_str());
+  close();
 }
 
 void FileWriter::close() {
@@ -99,35 +151,23 @@ void FileWriter::leave_part() {
 }
 
 Result<FileWriter> FileWriter::open(const std::filesystem::path& path, Readers readers) {
-  const bool in_place = is_written_in_place(path);
-  const std::filesystem::path target = in_place ? path : behind_links(path);
-  const std::filesystem::path written_to = in_place ? path : part_of(target);
+  if (is_written_in_place(path)) {
+    const int descriptor = open_in_place(path);
+    if (descriptor < 0)
+      return fail(Fault::file, "{}: cannot be written: {}", path.string(), std::strerror(errno));
+    return FileWriter(path, path, descriptor);
+  }
+  const std::filesystem::path target = behind_links(path);
   std::error_code ignored;
   if (std::filesystem::is_symlink(target, ignored))
     return fail(Fault::file, "{}: cannot be written: {}", path.string(), std::strerror(ELOOP));
+  const std::filesystem::path written_to = part_of(target);
   const mode_t rights = rights_of(target, readers);
-  const int no_link = in_place ? 0 : O_NOFOLLOW;
-  const int descriptor =
-      ::open(written_to.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | no_link, rights);
-  if (descriptor < 0) {
-    if (errno == ELOOP) return tl::unexpected(left_there(written_to));
-    return fail(Fault::file, "{}: cannot be written: {}", path.string(), std::strerror(errno));
-  }
-  FileWriter writer(target, written_to, descriptor);
-  if (in_place) return writer;
-  // What another program writes at this moment is not cut off. Some file systems know no locks.
-  struct stat found {};
-  if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
-    writer.leave_part();
-    return fail(Fault::file, "{}: another program is writing it", path.string());
-  }
-  // It may be all that is left of a session.
-  if (::fstat(descriptor, &found) != 0 || !S_ISREG(found.st_mode) || found.st_size > 0) {
-    writer.leave_part();
-    return tl::unexpected(left_there(written_to));
-  }
+  const auto part = open_part(path, written_to, rights);
+  if (!part) return tl::unexpected(part.error());
+  FileWriter writer(target, written_to, *part);
   if (readers == Readers::owner || std::filesystem::exists(target, ignored))
-    (void)::fchmod(descriptor, rights);  // some file systems know no rights
+    (void)::fchmod(*part, rights);  // some file systems know no rights
   return writer;
 }
 
@@ -149,18 +189,19 @@ Result<void> FileWriter::append(std::string_view content) {
 }
 
 Result<void> FileWriter::finish() {
-  const bool synced = in_place() || ::fsync(descriptor_) == 0 || errno == EINVAL;
-  const int not_synced = errno;
-  // A file system over a network may say only now that it is full.
-  const bool whole = ::close(std::exchange(descriptor_, -1)) == 0 && synced;
-  if (whole && in_place()) return {};
-  if (whole && ::rename(written_to_.c_str(), path_.c_str()) == 0) {
-    sync_folder_of(path_);
-    return {};
+  if (in_place()) {
+    if (::close(std::exchange(descriptor_, -1)) == 0) return {};
+    return fail(Fault::file, "{}: cannot be written: {}", path_.string(), std::strerror(errno));
   }
-  const int cause = synced ? errno : not_synced;
-  if (!in_place()) ::unlink(written_to_.c_str());
-  return fail(Fault::file, "{}: cannot be written: {}", path_.string(), std::strerror(cause));
+  const bool whole = is_on_disk(descriptor_) && ::rename(written_to_.c_str(), path_.c_str()) == 0;
+  const int cause = errno;
+  // It may be all there is of a session, and most of it can be read.
+  leave_part();
+  if (!whole)
+    return fail(Fault::file, "{}: cannot be written: {}; what could be is left as {}",
+                path_.string(), std::strerror(cause), written_to_);
+  sync_folder_of(path_);
+  return {};
 }
 
 Result<void> write_file(const std::filesystem::path& path, std::string_view content,

@@ -23,7 +23,8 @@ enum class Readers : std::uint8_t { everybody, owner };
 class FileWriter {
  public:
   /// Begins a file beside its final place. Fails with Fault::file, also where another program is
-  /// writing the same, or something is left at the `.part`.
+  /// writing the same, or something is left at the `.part`. A path that stands for a descriptor of
+  /// this process, as /dev/stdout does, is added to.
   [[nodiscard]] static Result<FileWriter> open(const std::filesystem::path& path,
                                                Readers readers = Readers::everybody);
   FileWriter(FileWriter&& other) noexcept;
@@ -34,7 +35,8 @@ class FileWriter {
 
   /// Adds to the end. Fails with Fault::file.
   [[nodiscard]] Result<void> append(std::string_view content);
-  /// Puts the whole file at its place. Fails with Fault::file.
+  /// Puts the whole file at its place. Fails with Fault::file, and leaves the `.part` then, since
+  /// it may be all there is of a session.
   [[nodiscard]] Result<void> finish();
   /// Ends, and leaves what was written as the `.part` beside the final place.
   void leave_part();

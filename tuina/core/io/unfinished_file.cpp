@@ -2,22 +2,44 @@
 #include "tuina/core/io/unfinished_file.hpp"
 
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
 
 #include "tuina/core/io/file.hpp"
+#include "tuina/core/io/text_lines.hpp"
 
 namespace tuina {
+namespace {
+
+constexpr int max_links = 40;  // as the kernel follows
+
+}  // namespace
 
 bool is_written_in_place(const std::filesystem::path& path) {
+  if (open_descriptor_of(path)) return true;
   std::error_code ignored;
   const auto status = std::filesystem::status(path, ignored);
   return std::filesystem::exists(status) && !std::filesystem::is_regular_file(status);
 }
 
+std::optional<int> open_descriptor_of(std::filesystem::path path) {
+  std::error_code ignored;
+  const auto descriptors = std::filesystem::canonical("/proc/self/fd", ignored);
+  for (int i = 0; i < max_links && !descriptors.empty(); ++i) {
+    const auto number = to_number<int>(path.filename().native());
+    if (number && std::filesystem::canonical(path.parent_path(), ignored) == descriptors)
+      return number;
+    std::error_code no_link;
+    const auto target = std::filesystem::read_symlink(path, no_link);
+    if (no_link) break;
+    path = path.parent_path() / target;
+  }
+  return std::nullopt;
+}
+
 std::filesystem::path behind_links(std::filesystem::path path) {
-  constexpr int max_links = 40;  // as the kernel follows
   for (int i = 0; i < max_links; ++i) {
     std::error_code no_link;
     const auto target = std::filesystem::read_symlink(path, no_link);
@@ -38,6 +60,11 @@ Error left_there(const std::filesystem::path& part) {
                       part.string())};
 }
 
+bool is_empty_and_own(const struct stat& found) {
+  return S_ISREG(found.st_mode) && found.st_size == 0 && found.st_uid == ::geteuid() &&
+         found.st_nlink == 1;
+}
+
 Result<void> check_can_begin(const std::filesystem::path& path) {
   if (is_written_in_place(path)) return {};
   const auto part = part_of(behind_links(path));
@@ -45,7 +72,7 @@ Result<void> check_can_begin(const std::filesystem::path& path) {
   if (::lstat(part.c_str(), &found) == 0) {
     if (is_being_written(path))
       return fail(Fault::file, "{}: another program is writing it", path.string());
-    if (S_ISREG(found.st_mode) && found.st_size == 0) return {};
+    if (is_empty_and_own(found)) return {};
     return tl::unexpected(left_there(part));
   }
   if (errno != ENAMETOOLONG) return {};
