@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <functional>
 
 #include "tests/folder.hpp"
@@ -91,6 +92,34 @@ TEST_CASE("what goes wrong with a recording leaves nothing behind") {
   record_into(folder.path() / "sweep");
   CHECK_FALSE(Recorder::open(little, little, folder.path() / "sweep").has_value());
   CHECK_FALSE(Recorder::open(little, little, "/proc/nowhere/sweep").has_value());
+}
+
+TEST_CASE(
+    "a sweep that was begun is nobody else's: neither one that is written, nor what is left") {
+  const Folder folder;
+  Little little;
+  const fs::path sweep = folder.path() / "sweep", part = folder.path() / "sweep.part";
+  const auto refused = [&](const std::string& why) {
+    const auto second = Recorder::open(little, little, sweep);
+    REQUIRE_FALSE(second.has_value());
+    CAPTURE(second.error().message);
+    CHECK(second.error().message.find(why) != std::string::npos);
+  };
+  {
+    auto first = Recorder::open(little, little, sweep);
+    REQUIRE(first.has_value());
+    REQUIRE(first->next_frame(frame_timeout_s).has_value());
+    refused("sweep: another program is writing it");
+    CHECK(fs::exists(part / "frames/000000.png"));
+    // What cannot come to its place stays.
+    fs::create_directory(sweep);
+    std::ofstream(sweep / "notes.txt") << "mine";
+    CHECK_FALSE(first->finish(little_calibration()).has_value());
+  }
+  fs::remove_all(sweep);
+  refused("sweep.part: is there already");
+  CHECK(fs::exists(part / "frames/000000.png"));
+  CHECK(fs::exists(part / "frames.csv"));
 }
 
 TEST_CASE("colour frames give their red, dark frames are taken off, sixteen bits are rounded") {

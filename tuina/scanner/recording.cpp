@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tuina/scanner/recording.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
@@ -14,6 +16,7 @@
 #include "tuina/core/io/csv.hpp"
 #include "tuina/core/io/file.hpp"
 #include "tuina/core/io/png.hpp"
+#include "tuina/core/io/unfinished_file.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/scanner/picture.hpp"
 #include "tuina/scanner/sweep.hpp"
@@ -198,12 +201,14 @@ Recorder::Recorder(Recorder&& other) noexcept
       turntable_(other.turntable_),
       folder_(std::move(other.folder_)),
       part_(std::exchange(other.part_, {})),
+      lock_(std::exchange(other.lock_, -1)),
       times_s_(std::move(other.times_s_)),
       readings_(std::move(other.readings_)) {}
 
 Recorder::~Recorder() {
   std::error_code ignored;  // a destructor cannot report
   if (!part_.empty()) fs::remove_all(part_, ignored);
+  if (lock_ >= 0) ::close(lock_);
 }
 
 Result<Recorder> Recorder::open(Camera& camera, Turntable& turntable, const fs::path& folder) {
@@ -214,11 +219,13 @@ Result<Recorder> Recorder::open(Camera& camera, Turntable& turntable, const fs::
     return fail(Fault::file, "{}: it exists already and is not an empty folder", name.string());
   }
   Recorder recorder(camera, turntable, name);
-  fs::remove_all(recorder.part_, error);
-  if (!fs::create_directories(recorder.part_ / "frames", error)) {
-    const auto part = std::exchange(recorder.part_, {});
+  const fs::path part = std::exchange(recorder.part_, {});
+  const auto lock = begin_folder(name);
+  if (!lock) return tl::unexpected(lock.error());
+  recorder.part_ = part;
+  recorder.lock_ = *lock;
+  if (!fs::create_directory(part / "frames", error))
     return fail(Fault::file, "{}: it cannot be made: {}", part.string(), error.message());
-  }
   return recorder;
 }
 
@@ -264,6 +271,7 @@ Result<std::vector<YawReading>> Recorder::readings() const {
 Result<void> Recorder::finish(const ScannerCalibration& calibration) {
   const auto last = turntable_->readings();
   if (!last) return tl::unexpected(last.error());
+  const fs::path part = std::exchange(part_, {});  // what was recorded stays, whatever comes
   std::vector<YawReading> readings = readings_;
   readings.insert(readings.end(), last->begin(), last->end());
   // Tables have as many digits as a double needs, so that a replay sees the same numbers.
@@ -278,14 +286,14 @@ Result<void> Recorder::finish(const ScannerCalibration& calibration) {
   for (const auto& [name, text] : {std::pair<const char*, std::string>{"frames.csv", frames},
                                    {"yaw.csv", yaw},
                                    {"calibration.toml", to_toml(calibration)}}) {
-    if (auto written = write_file(part_ / name, text); !written) return written;
+    if (auto written = write_file(part / name, text); !written) return written;
   }
   std::error_code error;
   fs::remove(folder_, error);  // removes an empty folder of that name
-  fs::rename(part_, folder_, error);
-  if (error) return fail(Fault::file, "{}: {}", folder_.string(), error.message());
-  part_.clear();
-  return {};
+  fs::rename(part, folder_, error);
+  if (!error) return {};
+  return fail(Fault::file, "{}: {}; the sweep is left as {}", folder_.string(), error.message(),
+              part.string());
 }
 
 }  // namespace tuina::scanner

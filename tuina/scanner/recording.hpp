@@ -50,10 +50,12 @@ class Recording final : public Camera, public Turntable {
 };
 
 /// Passes a camera and turntable through and records them as a sweep folder. The folder appears
-/// when `finish` succeeds; before that, and on failure, nothing is left behind.
+/// when `finish` succeeds; without `finish` nothing is left behind. Until then it is FOLDER.part,
+/// locked against other programs, which stays when this one is killed or `finish` fails.
 class Recorder final : public Camera, public Turntable {
  public:
-  /// Fails when the folder is not empty.
+  /// Fails when the folder is not empty, and when a FOLDER.part is there: it may be all that is
+  /// left of another sweep.
   [[nodiscard]] static Result<Recorder> open(Camera& camera, Turntable& turntable,
                                              const std::filesystem::path& folder);
   Recorder(Recorder&& other) noexcept;
@@ -79,6 +81,7 @@ class Recorder final : public Camera, public Turntable {
   Turntable* turntable_;
   std::filesystem::path folder_;
   std::filesystem::path part_;  ///< temporary folder until `finish`; empty: nothing to remove
+  int lock_ = -1;               ///< descriptor of that folder
   std::vector<double> times_s_;
   std::vector<YawReading> readings_;  ///< readings of the turns before this one
 };

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tuina/core/io/unfinished_file.hpp"
 
+#include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -58,6 +60,23 @@ Error left_there(const std::filesystem::path& part) {
           fmt::format("{}: is there already, left by a command that was killed or by another "
                       "program; move it away, or remove it",
                       part.string())};
+}
+
+Result<int> begin_folder(const std::filesystem::path& folder) {
+  namespace fs = std::filesystem;
+  const fs::path part = part_of(folder);
+  std::error_code error;
+  if (part.has_parent_path()) fs::create_directories(part.parent_path(), error);
+  if (!fs::create_directory(part, error)) {
+    if (error && error != std::errc::file_exists)
+      return fail(Fault::file, "{}: it cannot be made: {}", part.string(), error.message());
+    if (is_being_written(folder))
+      return fail(Fault::file, "{}: another program is writing it", folder.string());
+    return tl::unexpected(left_there(part));
+  }
+  const int lock = ::open(part.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC | O_NOFOLLOW);
+  if (lock >= 0) (void)::flock(lock, LOCK_EX | LOCK_NB);  // some file systems know no locks
+  return lock;
 }
 
 bool is_empty_and_own(const struct stat& found) {

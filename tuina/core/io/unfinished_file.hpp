@@ -21,6 +21,10 @@ namespace tuina {
 [[nodiscard]] std::filesystem::path part_of(const std::filesystem::path& target);
 /// What is said of such a file that somebody else has left: it may be all there is of a session.
 [[nodiscard]] Error left_there(const std::filesystem::path& part);
+/// Makes and locks FOLDER.part, where a folder is kept until it is whole; the lock is what it
+/// gives, to be closed. Fails with Fault::file where one is there: it may be all there is of a
+/// sweep.
+[[nodiscard]] Result<int> begin_folder(const std::filesystem::path& folder);
 /// Whether a file is as a `FileWriter` has just made it, of this user and under this name alone:
 /// somebody else could read what is written into another.
 [[nodiscard]] bool is_empty_and_own(const struct ::stat& found);
