@@ -42,10 +42,17 @@ Result<PlayedMotion> play_motion(const session::TaughtMotion& motion, const std:
   constexpr double settle_s = 0.5;
   double stopped_s = -1.0;
   const Progress bar = progress_bar(common, "play");
+  // Once it is stopped, the motion stands still where it was: it does not touch down anew.
+  const auto wanted_at = [&](double time_s) {
+    if (stopped_s < 0.0) return motion.at(time_s);
+    auto wanted = motion.at(stopped_s - settle_s);
+    wanted.dq_rad_per_s.setZero();
+    return wanted;
+  };
   // What the arm that plays proposes.
   const auto play = [&](const robot::RobotReading& reading, double time_s) -> safety::Proposal {
     session::ControlledArm& one = stage.arms[motion.arm];
-    const auto wanted = motion.at(time_s);
+    const auto wanted = wanted_at(time_s);
     const robot::ArmDynamics dynamics =
         model.evaluate(one.state.q_rad, one.state.dq_rad_per_s, reading.rail_m);
     const Vector3 out = control::tool_normal(dynamics.base_from_tool);
@@ -72,7 +79,7 @@ Result<PlayedMotion> play_motion(const session::TaughtMotion& motion, const std:
   };
   // How well it plays, against the truth.
   const auto judge = [&](double time_s) {
-    const auto wanted = motion.at(time_s);
+    const auto wanted = wanted_at(time_s);
     TeachRow row = stage.row(motion.arm, time_s);
     const Transform there = model.base_from_tool(wanted.q_rad, motion.rail_m);
     const Vector3 led_to =

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "apps/cli/asked_to_end.hpp"
 #include "apps/simulated/session_order.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/session/guarded_zone.hpp"
@@ -105,7 +106,7 @@ Result<TaughtByHand> record_by_hand(const TeachOrder& order, const session::Conf
   const auto propose =
       [&](const robot::RobotReading& reading) -> std::optional<safety::RobotProposal> {
     const double time_s = reading.time_s - TeachingHand::learning_s;
-    if (reading.time_s > end_s) return std::nullopt;
+    if (reading.time_s > end_s || asked_to_end()) return std::nullopt;
     stage.hear(reading);
     if (bar && reading.tick % 100 == 0) bar(reading.time_s / end_s);
     for (const Arm side : both_arms) stage.arms[side].sense(reading, side);
@@ -150,6 +151,10 @@ Result<TaughtByHand> record_by_hand(const TeachOrder& order, const session::Conf
   if (auto driven = session::run_control_loop(stage.robot(), stage.guard(), propose, lead); !driven)
     return tl::unexpected(driven.error());
   if (stopped) return tl::unexpected(*stopped);
+  taught.asked_to_end = asked_to_end();
+  const auto presses = [](const session::TaughtSample& sample) { return sample.force_n > 1.0; };
+  if (taught.asked_to_end && std::ranges::none_of(taught.motion.samples, presses))
+    return fail(Fault::stopped, "asked to stop before the arm was on the skin; nothing is kept");
   if (bar) bar(1.0);
   taught.motion = session::smoothed(taught.motion);
   if (order.technique == Technique::stroke) {

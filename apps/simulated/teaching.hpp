@@ -17,6 +17,7 @@ struct TaughtByHand {
   std::vector<TeachRow> truth;   ///< while it was led
   /// Largest force that the hand needed; nothing where another program has the hand.
   std::optional<double> peak_hand_n;
+  bool asked_to_end = false;  ///< before the hand was done
 };
 
 /// The arm in lead-through, a hand that leads it through the air, over the skin and home again. The

@@ -34,10 +34,9 @@ void add_device_option(Options& options, std::string& file, const std::string& m
 
 double contact_s(const session::TaughtMotion& motion) {
   double sum_s = 0.0;
-  for (std::size_t i = 1; i < motion.samples.size(); ++i) {
+  for (std::size_t i = 1; i < motion.samples.size(); ++i)
     if (motion.samples[i].force_n > 1.0)
       sum_s += motion.samples[i].time_s - motion.samples[i - 1].time_s;
-  }
   return sum_s;
 }
 
@@ -130,14 +129,13 @@ class TeachRecord final : public Verb {
     order_.position = position_ == "prone" ? BodyPosture::prone : BodyPosture::sitting;
     order_.technique = *parse_technique(technique_);  // checked by the option
     order_.arm = arm_ == "left" ? Arm::left : Arm::right;
+    end_when_asked();
     const auto taught = record_by_hand(order_, *config, common);
     if (!taught) return tl::unexpected(taught.error());
     if (contact_s(taught->motion) == 0.0)
-      return fail(
-          Fault::not_found,
-          "in {:.0f} s nobody led the {} arm onto the skin: is a hand there, and is it this "
-          "arm that it leads?",
-          taught->motion.duration_s(), arm_);
+      return fail(Fault::not_found,
+                  "in {:.0f} s nobody led the {} arm onto the skin: is a hand there, at this arm?",
+                  taught->motion.duration_s(), arm_);
     if (const auto written = session::write_taught(taught->motion, out_); !written)
       return tl::unexpected(written.error());
     nlohmann::json json = json_of(taught->motion);
@@ -149,9 +147,11 @@ class TeachRecord final : public Verb {
     return Answer{
         .json = json.dump(2),
         .text = fmt::format("{}: {:.1f} s, of these {:.1f} s on the skin with up to {:.1f} "
-                            "N{}\nnow: tuina teach play {}",
+                            "N{}{}\nnow: tuina teach play {}",
                             taught->motion.name, taught->motion.duration_s(),
-                            contact_s(taught->motion), peak_n(taught->motion), hand, out_)};
+                            contact_s(taught->motion), peak_n(taught->motion), hand,
+                            taught->asked_to_end ? ", asked to stop" : "", out_),
+        .exit_code = taught->asked_to_end ? 4 : 0};
   }
 
  private:

@@ -263,7 +263,14 @@ TEST_CASE("a press and a taught motion that are interrupted leave what they have
   CHECK(press.said().find("asked to stop") != std::string::npos);
   CHECK(fs::exists(folder / "trace.csv"));
 
-  const std::string motion = folder / "stroke.toml";
+  const std::string motion = folder / "stroke.toml", cut = folder / "cut.toml";
+  Running record(folder, {"teach", "record", "--out", cut});
+  record.wait_for("teach 70 %");
+  record.interrupt(SIGINT);
+  CHECK_MESSAGE(has_exited(record.end(), 4), record.said());
+  CHECK(record.said().find("asked to stop") != std::string::npos);
+  CHECK(run_tuina({"teach", "show", cut}).exit_code == 0);
+
   REQUIRE(run_tuina({"teach", "record", "--out", motion}).exit_code == 0);
   Running play(folder, {"teach", "play", motion, "--plot", folder / "played.svg"});
   play.wait_for("play 10 %");
