@@ -80,19 +80,26 @@ double worst_tip_m(const std::vector<Step>& steps, const UrdfArm& arm) {
   return worst_m;
 }
 
+/// An arm whose upper arm, forearm and wrist turn about parallel axes, as CAD exports it.
+std::vector<Step> arm_of(double half_turn, double skew) {
+  const double quarter = 0.5 * half_turn;
+  return {
+      {{0.0, 0.0, 0.122}, {0.0, 0.0, half_turn}},   {{0.0, 0.1215, 0.0}, {-quarter, -quarter, 0.0}},
+      {{0.408, 0.0, 0.0}, {-half_turn, skew, 0.0}}, {{0.376, 0.0, 0.0}, {half_turn, 0.0, quarter}},
+      {{0.0, 0.1025, 0.0}, {-quarter, 0.0, 0.0}},   {{0.0, -0.094, 0.0}, {quarter, 0.0, 0.0}}};
+}
+
 }  // namespace
 
+TEST_CASE("axes that are too far from parallel for a table are refused by the names of joints") {
+  const std::pair<double, const char*> angles[] = {
+      {3.14, "joints 3 and 4 are 0.0913 degrees from parallel, and their common normal lies"},
+      {3.142, "joints 3 and 4 are 0.0233 degrees from parallel, and their common normal lies"}};
+  for (const auto& [half_turn, sentence] : angles)
+    refused(urdf_of(arm_of(half_turn, 0.0)), sentence, "l6");
+}
+
 TEST_CASE("axes that are parallel but for the rounding of their angles are taken as parallel") {
-  // An arm whose upper arm, forearm and wrist turn about parallel axes, as CAD exports it.
-  const auto arm_of = [](double half_turn, double skew) {
-    const double quarter = 0.5 * half_turn;
-    return std::vector<Step>{{{0.0, 0.0, 0.122}, {0.0, 0.0, half_turn}},
-                             {{0.0, 0.1215, 0.0}, {-quarter, -quarter, 0.0}},
-                             {{0.408, 0.0, 0.0}, {-half_turn, skew, 0.0}},
-                             {{0.376, 0.0, 0.0}, {half_turn, 0.0, quarter}},
-                             {{0.0, 0.1025, 0.0}, {-quarter, 0.0, 0.0}},
-                             {{0.0, -0.094, 0.0}, {quarter, 0.0, 0.0}}};
-  };
   struct Case {
     double half_turn, skew, max_off_m;
     const char* note;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "tuina/core/io/text_lines.hpp"
+#include "tuina/core/units.hpp"
 #include "tuina/robot/table/urdf_rows.hpp"
 
 namespace tuina::robot {
@@ -201,6 +202,22 @@ std::vector<TurningJoint> read_chain(Reader& reader, const XMLElement& robot,
   return chain;
 }
 
+/// Axes that are nearly parallel, as 3.14 for pi leaves them, meet their common normal far from the
+/// arm, and no table takes such rows. Says which joints they are; empty where all is well.
+std::string far_normal(const ArmTable& table) {
+  constexpr double max_length_m = 3.0;  // as of a table
+  for (int i = 0; i + 1 < table.joints; ++i) {
+    const Link& link = table.links[static_cast<std::size_t>(i)];
+    const double far_m = std::max(std::abs(link.d_m), std::abs(link.a_m));
+    if (far_m <= max_length_m) continue;
+    return fmt::format(
+        "joints {} and {} are {:.4f} degrees from parallel, and their common normal lies {:.0f} m "
+        "away: give the angles of parallel axes with more digits, as 3.14159265 for pi",
+        i + 1, i + 2, to_deg(std::asin(std::abs(std::sin(link.alpha_rad)))), far_m);
+  }
+  return {};
+}
+
 }  // namespace
 
 Result<UrdfArm> read_urdf(std::string_view text, std::string_view name,
@@ -244,6 +261,8 @@ Result<UrdfArm> read_urdf(std::string_view text, std::string_view name,
                 robot->GetLineNum(), chain.size(), base_link, tip_link);
   }
   UrdfArm arm = arm_of(std::move(chain), tip);
+  if (const std::string far = far_normal(arm.table); !far.empty())
+    return fail(Fault::bad_input, "{}:{}: <robot>: {}", name, robot->GetLineNum(), far);
   const char* called = robot->Attribute("name");
   arm.robot = called != nullptr ? called : "";
   return arm;
