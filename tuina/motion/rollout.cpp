@@ -19,6 +19,13 @@ constexpr double transfer_step_rad = 6_deg;
 constexpr double limit_margin_rad = 1_deg;
 constexpr double thinned_rad = 2.5_deg;  // spacing of the kept configurations
 
+/// The nearest angle with this room to both ends of a joint; its middle where there is less room.
+double inside_of(const robot::Link& link, double margin_rad, double q_rad) {
+  const double middle_rad = 0.5 * (link.min_rad + link.max_rad);
+  return std::clamp(q_rad, std::min(link.min_rad + margin_rad, middle_rad),
+                    std::max(link.max_rad - margin_rad, middle_rad));
+}
+
 }  // namespace
 
 double inward_m(const robot::ArmModel& model, Arm arm,
@@ -58,10 +65,7 @@ JointVector Rollout::posture_drift(const JointVector& posture_rad) const {
       posture_share_ * (posture_rad - q_rad_).cwiseMax(-max_pull_rad_).cwiseMin(max_pull_rad_);
   for (int i = 0; i < model_->joints(); ++i) {
     const robot::Link& link = model_->table().links[static_cast<std::size_t>(i)];
-    // The springs of a joint with less room than both their margins meet in its middle.
-    const double margin_rad = std::min(gains.limit_margin_rad, 0.5 * (link.max_rad - link.min_rad));
-    const double inside =
-        std::clamp(q_rad_[i], link.min_rad + margin_rad, link.max_rad - margin_rad);
+    const double inside = inside_of(link, gains.limit_margin_rad, q_rad_[i]);
     drift[i] += share_at_limit * (inside - q_rad_[i]);
   }
   return drift;
@@ -79,8 +83,7 @@ void Rollout::step_to(const Vector3& centre_in_base, const Vector3& normal_in_ba
     q_rad_ += step.cwiseMax(-max_step_rad).cwiseMin(max_step_rad);
     for (int i = 0; i < model_->joints(); ++i) {
       const robot::Link& link = model_->table().links[static_cast<std::size_t>(i)];
-      const double inside =
-          std::clamp(q_rad_[i], link.min_rad + limit_margin_rad, link.max_rad - limit_margin_rad);
+      const double inside = inside_of(link, limit_margin_rad, q_rad_[i]);
       joint_path.limit_excess_rad =
           std::max(joint_path.limit_excess_rad, std::abs(q_rad_[i] - inside));
       q_rad_[i] = inside;
