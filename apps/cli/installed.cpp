@@ -19,7 +19,8 @@ fs::path installed_or(const char* name, fs::path built) {
   // prefix is above the nearest bin or lib, and nowhere else.
   for (fs::path folder = here.parent_path(); folder.has_relative_path();
        folder = folder.parent_path()) {
-    if (const auto called = folder.filename(); called != "bin" && called != "lib") continue;
+    const auto called = folder.filename();
+    if (called != "bin" && called != "lib" && called != "lib64") continue;
     fs::path installed = folder.parent_path() / "share/tuina" / name;
     return fs::exists(installed, fault) ? installed : built;
   }

@@ -2,9 +2,12 @@
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 
+#include <cstdlib>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "tests/whole/command.hpp"
+#include "tuina/core/io/file.hpp"
 #include "tuina/core/io/surface_file.hpp"
 #include "tuina/core/random.hpp"
 #include "tuina/core/units.hpp"
@@ -32,6 +35,24 @@ void put_scene(const Folder& folder) {
 }
 
 }  // namespace
+
+TEST_CASE("an installed program takes the atlas beside the folder that it is in") {
+  const Folder folder;
+  put_scene(folder);
+  std::filesystem::create_directories(folder / "share/tuina/models");
+  (void)folder.with("share/tuina/models/atlas.tuina", "mine");
+  for (const char* where : {"bin", "lib", "lib64"}) {
+    CAPTURE(where);
+    std::filesystem::create_directory(folder / where);
+    const std::string program = folder / where + "/tuina";
+    std::filesystem::copy(TUINA_BINARY, program);
+    const std::string command =
+        "'" + program + "' map '" + folder / "person.ply" + "' --quiet 2>'" + folder / "err'";
+    CHECK(std::system(command.c_str()) != 0);
+    CHECK(read_file(folder / "err").value().find("share/tuina/models/atlas.tuina: not an atlas") !=
+          std::string::npos);
+  }
+}
 
 TEST_CASE("map takes the plane of the thesis from the scan of a board") {
   const Folder folder;
