@@ -7,7 +7,7 @@ using namespace tuina::safety;
 
 namespace {
 
-constexpr int push_ticks = 40;
+constexpr int push_ticks = 60;
 constexpr double push_n = 40.0;
 
 /// What an arm is told that pressed with `felt_n` until its second encoder went blind.
@@ -30,7 +30,7 @@ struct Blind : Scene {
 
 }  // namespace
 
-TEST_CASE("an arm that pressed and is unknown is pushed off the skin for 40 ms, then braked") {
+TEST_CASE("an arm that pressed and is unknown is pushed off the skin for 60 ms, then braked") {
   Blind blind;
   blind.seen.gravity_nm.array() += 5.0;  // of unknown joints nothing is believed
   blind.seen.jacobian *= -1.0;

@@ -185,6 +185,8 @@ class Guard {
   [[nodiscard]] bool in_air() const noexcept;
   void judge_unknown(Finding& finding) noexcept;
   [[nodiscard]] JointVector blind_torque(Action action) const noexcept;
+  /// True while a tool whose joints are in doubt is pushed off the skin.
+  [[nodiscard]] bool leaves_in_doubt() const noexcept;
   /// True when a person comes after a tool that leaves; each tick once.
   [[nodiscard]] bool followed(const Vector3& tool_in_base) noexcept;
   [[nodiscard]] JointVector off_ends_nm(const JointVector& q_rad) const noexcept;
@@ -225,7 +227,7 @@ class Guard {
   bool fled_ = false;   ///< the tool was pressed in its present motion outward
   bool flies_ = false;  ///< it is leaving since, within the limits of a flight
   std::uint32_t same_ = 0;
-  bool encoders_doubted_ = false, force_doubted_ = false;
+  bool encoders_doubted_ = false, pressed_at_doubt_ = false, force_doubted_ = false;
   JointVector told_nm_;  ///< the last proposal
   MotorTrial motor_trial_;
 

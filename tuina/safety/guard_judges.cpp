@@ -105,6 +105,7 @@ void Guard::judge_joints(const Observation& seen, Finding& finding) noexcept {
   const double limit_rad = ticks * options_.limits.encoder_jump_rad;
   if (jump_rad > limit_rad || drift_rad > 2.0 * limit_rad) {
     finding.add(Action::comply, Cause::encoder_jump);
+    pressed_at_doubt_ = encoders_doubted_ ? pressed_at_doubt_ : pressed();
     encoders_doubted_ = true;
   }
   constexpr Eigen::Index carry_forearm = 4;  // three of the shoulder, and the elbow
@@ -115,7 +116,7 @@ void Guard::judge_joints(const Observation& seen, Finding& finding) noexcept {
   if (swinging_ >= fast_ticks) finding.add(Action::comply, Cause::joint_too_fast);
   if (!encoders_doubted_) return;
   ++blind_;
-  const bool let_go = blind_ > fast_ticks && medians_n_.back() < let_go_n;
+  const bool let_go = blind_ > fast_ticks && !leaves_in_doubt() && medians_n_.back() < let_go_n;
   const bool rests =
       blind_ > blind_ticks && seen.dq_rad_per_s.cwiseAbs().maxCoeff() < resting_rad_per_s;
   if (let_go || rests || blind_ > max_blind_ticks) finding.add(Action::brake, Cause::encoder_jump);

@@ -33,10 +33,11 @@ constexpr double push_out_m_per_s = 0.8;
 // As far and as fast as who sits up comes.
 constexpr double blind_way_m = 0.2, blind_m_per_s = 0.5;
 
-// An arm of which nothing is known any more leaves the skin by what was known last: the levers turn
-// by less than a tenth meanwhile.
+// An arm whose joints are not known, or in doubt, leaves the skin by what was known last: the
+// levers turn by less than a tenth meanwhile. Joints stick, so soft skin alone does not push a tool
+// off.
 constexpr double blind_push_n = 40.0;
-constexpr int blind_push_ticks = 40;
+constexpr int blind_push_ticks = 60;
 
 constexpr int disobedient_ticks = 50;
 constexpr double disobedient_m_per_s = 0.05;  // into the body, against 80 N outward
@@ -99,6 +100,10 @@ void Guard::judge_unknown(Finding& finding) noexcept {
   finding.add(leaves ? Action::retract : Action::brake, Cause::state_not_finite);
 }
 
+bool Guard::leaves_in_doubt() const noexcept {
+  return pressed() || (pressed_at_doubt_ && blind_ <= blind_push_ticks);
+}
+
 JointVector Guard::blind_torque(Action action) const noexcept {
   return gravity_nm_ + (action == Action::brake ? 0.0 : blind_push_n) * levers_m_;
 }
@@ -123,8 +128,11 @@ bool Guard::followed(const Vector3& tool_in_base) noexcept {
 
 JointVector Guard::own_torque(const Observation& seen, Action action) noexcept {
   if (action == Action::brake) return gravity_nm_;
-  // Where the joints are in doubt the tool's place is too: only the joints are braked.
-  if (encoders_doubted_) return gravity_nm_ - blind_joint_damping_nm_s_per_rad * seen.dq_rad_per_s;
+  // Where the joints are in doubt the tool's place is too: the joints are damped, and no law of the
+  // tool drives them but a push off the skin.
+  if (encoders_doubted_)
+    return blind_torque(leaves_in_doubt() ? Action::retract : Action::brake) -
+           blind_joint_damping_nm_s_per_rad * seen.dq_rad_per_s;
   if (taken_over_ == Action::pass) from_rad_ = seen.q_rad;
   if (taken_over_ != action) {
     taken_over_ = action;
