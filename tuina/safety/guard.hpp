@@ -187,6 +187,7 @@ class Guard {
   [[nodiscard]] JointVector blind_torque(Action action) const noexcept;
   /// True while a tool whose joints are in doubt is pushed off the skin.
   [[nodiscard]] bool leaves_in_doubt() const noexcept;
+  [[nodiscard]] JointVector torque_in_doubt(const JointVector& dq_rad_per_s) const noexcept;
   /// True when a person comes after a tool that leaves; each tick once.
   [[nodiscard]] bool followed(const Vector3& tool_in_base) noexcept;
   [[nodiscard]] JointVector off_ends_nm(const JointVector& q_rad) const noexcept;

@@ -108,6 +108,13 @@ JointVector Guard::blind_torque(Action action) const noexcept {
   return gravity_nm_ + (action == Action::brake ? 0.0 : blind_push_n) * levers_m_;
 }
 
+// Where the joints are in doubt the tool's place is too: they are damped, and no law of the tool
+// drives them but a push off the skin.
+JointVector Guard::torque_in_doubt(const JointVector& dq_rad_per_s) const noexcept {
+  return blind_torque(leaves_in_doubt() ? Action::retract : Action::brake) -
+         blind_joint_damping_nm_s_per_rad * dq_rad_per_s;
+}
+
 // An arm that stands there already when it is taken over is not moved away.
 JointVector Guard::off_ends_nm(const JointVector& q_rad) const noexcept {
   JointVector torque_nm = JointVector::Zero(q_rad.size());
@@ -128,11 +135,7 @@ bool Guard::followed(const Vector3& tool_in_base) noexcept {
 
 JointVector Guard::own_torque(const Observation& seen, Action action) noexcept {
   if (action == Action::brake) return gravity_nm_;
-  // Where the joints are in doubt the tool's place is too: the joints are damped, and no law of the
-  // tool drives them but a push off the skin.
-  if (encoders_doubted_)
-    return blind_torque(leaves_in_doubt() ? Action::retract : Action::brake) -
-           blind_joint_damping_nm_s_per_rad * seen.dq_rad_per_s;
+  if (encoders_doubted_) return torque_in_doubt(seen.dq_rad_per_s);
   if (taken_over_ == Action::pass) from_rad_ = seen.q_rad;
   if (taken_over_ != action) {
     taken_over_ = action;
