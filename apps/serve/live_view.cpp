@@ -200,6 +200,7 @@ std::optional<std::string> LiveView::take_frame() {
       {"channel", "live"},
       {"time_s", rounded(newest_->reading.time_s, 1e3)},
       {"performed", newest_->performed},
+      {"intensity", rounded(newest_->intensity, 1e3)},
       {"arms", arms},
       {"forces", forces}}.dump();
   newest_.reset();

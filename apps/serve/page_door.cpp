@@ -100,9 +100,12 @@ void LiveSite::log_out(const std::string& cookie) {
 // Who has had sessions, and what is remembered of them, is for who may order the next one.
 std::optional<web::Reply> LiveSite::people(const std::string& path, bool operates) const {
   constexpr std::string_view all = "/api/people", one = "/api/remembered/";
+  const LiveSession::Options& sessions = options_.session;
+  if (path == "/api/sessions" && operates && sessions.people.find)
+    return web::Reply{.type = "application/json", .body = sessions_json(sessions.folder, true)};
   if (path != all && !path.starts_with(one)) return std::nullopt;
   if (!operates) return web::Reply{.status = 403, .body = "for who operates alone\n"};
-  const KnownPeople& known = options_.session.people;
+  const KnownPeople& known = sessions.people;
   if (!known.find) return web::Reply{.status = 404, .body = "no history is kept here\n"};
   // The threads of the web's library have too little stack for databases.
   const auto text =
@@ -145,7 +148,7 @@ web::Reply LiveSite::content(const web::Request& request) const {
   };
   if (path == "/api/choices") return json_reply(choices_);
   const LiveSession::Options& sessions = options_.session;
-  if (path == "/api/sessions") return json_reply(sessions_json(sessions.folder));
+  if (path == "/api/sessions") return json_reply(sessions_json(sessions.folder, false));
   if (const auto reply = look_back(request)) return *reply;
   if (const auto view = session_.view()) {
     if (path == "/api/cloud") return bytes_reply(view->cloud());

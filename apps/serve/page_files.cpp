@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/serve/page_files.hpp"
 
+#include <fmt/chrono.h>
+
 #include <algorithm>
+#include <chrono>
 #include <nlohmann/json.hpp>
 #include <vector>
 
@@ -37,6 +40,31 @@ bool is_number(std::string_view name) {
   return name.size() >= 4 && name.size() <= 6 &&
          std::all_of(name.begin(), name.end(),
                      [](char letter) { return letter >= '0' && letter <= '9'; });
+}
+
+/// A session as the list has it; null where its folder cannot be read.
+json session_json(const std::filesystem::path& folder, bool names) {
+  const std::filesystem::path path = folder / "session.json";
+  const auto text = read_file(path);
+  const auto file =
+      text ? record::parse_session(*text, path.string()) : tl::unexpected(text.error());
+  std::error_code fault;
+  const auto written = std::filesystem::last_write_time(path, fault);
+  if (!file || fault) return {};
+  const auto second =
+      std::chrono::time_point_cast<std::chrono::seconds>(std::chrono::file_clock::to_sys(written));
+  json shown{{"ended", fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(second))},
+             {"person", file->order.person},
+             {"position", name_of(file->position)},
+             {"programme", file->order.programme},
+             {"seed", file->seed},
+             {"duration_s", file->massage.duration_s},
+             {"peak_n", file->massage.force.peak_n},
+             {"performed", file->massage.performed.size()},
+             {"paths", file->plan.paths},
+             {"stops", file->stops.size()}};
+  if (names && file->visit) shown["who"] = file->visit->who;
+  return shown;
 }
 
 }  // namespace
@@ -100,7 +128,7 @@ std::optional<std::string> session_number(std::string_view path, std::string_vie
   return is_number(path) ? std::optional(std::string(path)) : std::nullopt;
 }
 
-std::string sessions_json(const std::filesystem::path& folder) {
+std::string sessions_json(const std::filesystem::path& folder, bool names) {
   std::vector<std::string> numbers;
   std::error_code none;
   for (const auto& entry : std::filesystem::directory_iterator(folder, none)) {
@@ -110,26 +138,18 @@ std::string sessions_json(const std::filesystem::path& folder) {
   }
   const auto value = [](const std::string& number) { return std::pair(number.size(), number); };
   std::ranges::sort(numbers, std::greater(), value);
+  const std::size_t count = numbers.size();
   constexpr std::size_t max_shown = 50;
   if (numbers.size() > max_shown) numbers.resize(max_shown);
   json sessions = json::array();
   for (const std::string& number : numbers) {
-    const std::string name = (folder / number / "session.json").string();
-    const auto text = read_file(name);
-    const auto file = text ? record::parse_session(*text, name) : tl::unexpected(text.error());
-    if (!file) continue;
-    sessions.push_back({{"session", number},
-                        {"person", file->order.person},
-                        {"position", name_of(file->position)},
-                        {"programme", file->order.programme},
-                        {"seed", file->seed},
-                        {"duration_s", file->massage.duration_s},
-                        {"peak_n", file->massage.force.peak_n},
-                        {"performed", file->massage.performed.size()},
-                        {"paths", file->plan.paths},
-                        {"stops", file->stops.size()}});
+    if (json one = session_json(folder / number, names); !one.is_null()) {
+      one["session"] = number;
+      sessions.push_back(std::move(one));
+    }
   }
-  return sessions.dump(-1, ' ', true, json::error_handler_t::replace);
+  return json{{"sessions", sessions}, {"count", count}}.dump(-1, ' ', true,
+                                                             json::error_handler_t::replace);
 }
 
 web::Reply report_reply(Result<std::string> report) {

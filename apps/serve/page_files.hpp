@@ -28,8 +28,9 @@ using Page = std::map<std::string, PageFile, std::less<>>;
 [[nodiscard]] std::optional<std::string> session_number(std::string_view path,
                                                         std::string_view name);
 
-/// JSON array of the sessions in `folder` that have ended, the newest first.
-[[nodiscard]] std::string sessions_json(const std::filesystem::path& folder);
+/// JSON of the sessions in `folder` that have ended: the newest ones, the newest first, and how
+/// many there are. Whose they were is told where `names` is true.
+[[nodiscard]] std::string sessions_json(const std::filesystem::path& folder, bool names);
 
 /// A report as a browser gets it; 404 where there is none.
 [[nodiscard]] web::Reply report_reply(Result<std::string> report);

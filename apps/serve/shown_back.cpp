@@ -88,6 +88,7 @@ std::string plan_json(const massage::Plan& plan) {
                      {"duration_s", planned.path.duration_s()},
                      {"zone", name_of(planned.zone)},
                      {"ordered_n", planned.ordered_n()},
+                     {"cap_n", planned.cap_n},
                      {"programme_n", planned.programme_n},
                      {"places", places}});
   }

@@ -27,6 +27,7 @@ constexpr std::array<const char*, 9> keys = {"person",    "position",  "seed",
                                              "answers",   "who",       "remember"};
 constexpr std::size_t of_person = 3;  // of these, the first
 constexpr std::size_t max_name_bytes = 80;
+constexpr std::ptrdiff_t max_name_letters = 40;
 constexpr std::uint64_t max_seed = 1'000'000;
 
 template <typename Words>
@@ -56,16 +57,32 @@ std::vector<std::string> programme_names() {
   return names;
 }
 
-/// A name as a TOML string: what is no printable text is refused.
+/// Blanks are those of keyboards: of ASCII, the one that does not break, and the wide one.
+std::string without_blanks_around(std::string_view text) {
+  constexpr std::array<std::string_view, 3> blanks = {" ", "\u00a0", "\u3000"};
+  for (bool found = true; found;) {
+    found = false;
+    for (const std::string_view blank : blanks) {
+      if (text.starts_with(blank)) text.remove_prefix(blank.size()), found = true;
+      if (text.ends_with(blank)) text.remove_suffix(blank.size()), found = true;
+    }
+  }
+  return std::string(text);
+}
+
+/// A name as a TOML string, without blanks around it: what is no printable text is refused.
 Result<std::string> quoted_name(const json& object) {
   const auto found = object.find("answered_by");
-  const std::string name =
-      found != object.end() && found->is_string() ? found->get<std::string>() : "";
+  const std::string name = without_blanks_around(
+      found != object.end() && found->is_string() ? found->get<std::string>() : "");
   const bool printable = std::none_of(name.begin(), name.end(), [](unsigned char letter) {
     return letter < 0x20 || letter == 0x7f;
   });
-  if (name.empty() || name.size() > max_name_bytes || !printable) {
-    return fail(Fault::bad_input, "answered_by: is no name of 1 to {} bytes", max_name_bytes);
+  // Of a letter in UTF-8 all bytes but the first begin with the bits 10.
+  const auto letters = std::count_if(name.begin(), name.end(),
+                                     [](unsigned char byte) { return (byte & 0xC0) != 0x80; });
+  if (name.empty() || letters > max_name_letters || !printable) {
+    return fail(Fault::bad_input, "answered_by: is no name of 1 to {} letters", max_name_letters);
   }
   std::string quoted = "\"";
   for (const char letter : name) {
@@ -215,10 +232,16 @@ std::string choices_json(bool keeps_people, const std::optional<ServedDevices>& 
               {"position", position ? name_of(*position) : "auto"},
               {"seed", devices->seed}};
   }
-  return json{
-      {"people", people},         {"positions", positions},       {"programmes", programmes},
-      {"techniques", techniques}, {"questions", questions},       {"zones", zones},
-      {"max_seed", max_seed},     {"keeps_people", keeps_people}, {"devices", driven}}
+  return json{{"people", people},
+              {"positions", positions},
+              {"programmes", programmes},
+              {"techniques", techniques},
+              {"questions", questions},
+              {"zones", zones},
+              {"max_seed", max_seed},
+              {"max_name_letters", max_name_letters},
+              {"keeps_people", keeps_people},
+              {"devices", driven}}
       .dump();
 }
 

@@ -3,9 +3,9 @@ import { element, pills, table } from "./element";
 import { lookBack } from "./look_back";
 import { ofWhom, remembered, remembersAll } from "./remembered";
 import { type Devices, main, maySteer, page, read, steer, toldPlace, whyNot } from "./shown";
-import { reportOf, say, sayOr } from "./words";
+import { dayAndTime, reportOf, say, sayOr, sayWith } from "./words";
 
-interface Listed { session: string; person: string; programme: string; duration_s: number; performed: number; paths: number; stops: number }
+interface Listed { session: string; ended: string; who?: string; person: string; programme: string; duration_s: number; performed: number; paths: number; stops: number }
 
 const order: Record<string, string | number> =
   { person: "phantom:medium", position: "sitting", programme: "relax", intensity: 3, seed: 1, answered_by: "" };
@@ -31,11 +31,24 @@ export function choose(): HTMLElement {
     if (key === "person" || key === "position") forgetAnswers();
     if (key === "position") page.render();
   };
-  const seed = element("input", { id: "seed", type: "number", min: "1", max: String(page.choices.max_seed), value: String(order["seed"]), "aria-describedby": "seed_help" });
-  seed.oninput = () => { order["seed"] = Math.min(page.choices.max_seed, Math.max(1, Math.round(Number(seed.value)) || 1)); };
+  const next = element("button", { class: "go", id: "next", onclick: () => { page.chosen = page.view = "health"; page.render(); main.focus({ preventScroll: true }); } }, say("on"));
+  const seed = element("input", { id: "seed", type: "number", min: "1", max: String(page.choices.max_seed), required: true, value: String(order["seed"]), "aria-describedby": "seed_help" });
+  const seedHelp = element("p", { class: "note", id: "seed_help", role: "status" });
+  seed.oninput = () => { if (seed.validity.valid) order["seed"] = Number(seed.value); whole(); };
+  const whole = (): void => {
+    const fault = !devices && !seed.validity.valid;
+    seed.setAttribute("aria-invalid", String(fault));
+    seedHelp.textContent = fault ? sayWith("seed_wrong", page.choices.max_seed) : say("seed_help");
+    next.disabled = fault || !remembersAll();
+  };
+  whole();
   const sessions = element("div", { class: "sessions" }, say("no_sessions"));
-  void read<Listed[]>("/api/sessions").then((all) => {
-    if (all?.length) sessions.replaceChildren(table(all.map((one) => [one.session, `${one.person && say(one.person) + " · "}${say(one.programme)}`,
+  void read<{ sessions: Listed[]; count: number }>("/api/sessions").then((all) => {
+    if (!all?.sessions.length) return;
+    const rest = all.count > all.sessions.length
+      ? [element("p", { class: "note", id: "shown_of" }, sayWith("shown_of", all.sessions.length, all.count))] : [];
+    sessions.replaceChildren(...rest, table(all.sessions.map((one) => [element("span", {}, one.session, element("small", {}, dayAndTime(one.ended))),
+      [one.who, one.person && say(one.person), say(one.programme)].filter(Boolean).join(" · "),
       `${Math.round(one.duration_s)} s · ${one.performed}/${one.paths} ${say("paths_short")}${one.stops ? ` · ${say("ended_stopped")}` : ""}`,
       element("div", { class: "row" },
         element("button", { id: `play_${one.session}`, "aria-label": `${say("look_back")} ${one.session}`, onclick: () => void lookBack(one.session) }, say("look_back")),
@@ -48,9 +61,9 @@ export function choose(): HTMLElement {
       pills("programme", page.choices.programmes.map((one) => one.name), String(order["programme"]), pick("programme"),
         (name) => [element("b", {}, say(name)), element("small", {}, sayOr(`about_${name}`, page.choices.programmes.find((one) => one.name === name)!.description))]),
       pills("intensity", ["1", "2", "3", "4", "5"], String(order["intensity"]), pick("intensity"), (value) => [`${value} · ${say(`intensity_${value}`)}`]),
-      devices ? "" : element("div", {}, element("label", { class: "over", for: "seed" }, say("seed")), seed, element("p", { class: "note", id: "seed_help" }, say("seed_help"))),
+      devices ? "" : element("div", {}, element("label", { class: "over", for: "seed" }, say("seed")), seed, seedHelp),
       remembered(devices?.position ?? String(order["position"]), forgetAnswers)),
-    element("button", { class: "go", id: "next", disabled: !remembersAll(), onclick: () => { page.chosen = page.view = "health"; page.render(); main.focus({ preventScroll: true }); } }, say("on"))),
+    next),
     element("h2", {}, say("sessions")), toldPlace(), element("div", { class: "card scroll-x" }, sessions));
 }
 
@@ -62,14 +75,21 @@ function ordered(): object {
 
 export function health(): HTMLElement {
   const go = element("button", { class: "go", id: "scan", onclick: () => { steer(); page.link.ask("start", { order: { ...ordered(), ...ofWhom(), answers } }); } }, say("scan_now"));
-  const whole = (): void => { go.disabled = !maySteer() || !order["answered_by"] || page.choices.questions.some((one) => !answers[one.key]); };
-  const name = element("input", { id: "answered_by", maxlength: "40", autocomplete: "off", value: String(order["answered_by"]) });
-  name.oninput = () => { order["answered_by"] = name.value; whole(); };
+  const name = element("input", { id: "answered_by", autocomplete: "off", value: String(order["answered_by"]), "aria-describedby": "why_no_scan" });
+  const why = element("span", { class: "note", id: "why_no_scan", role: "status" });
+  name.oninput = () => { order["answered_by"] = name.value.trim(); whole(); };
+  const whole = (): void => {
+    const all = page.choices.questions.map((one) => answers[one.key]), against = all.some((one) => one === "yes" || one === "unknown");
+    const long = [...String(order["answered_by"])].length > page.choices.max_name_letters;
+    why.textContent = against ? say("no_massage") : long ? sayWith("name_long", page.choices.max_name_letters) : "";
+    name.setAttribute("aria-invalid", String(long));
+    go.disabled = !maySteer() || !order["answered_by"] || long || all.some((one) => one !== "no");
+  };
   whole();
   return element("div", { class: "card narrow" }, element("h1", {}, say("health_title")), element("p", { class: "note" }, say("health_help")),
     ...page.choices.questions.map((one) => element("div", { class: "ask" }, element("span", { id: `q_${one.key}` }, say(`q_${one.key}`)),
       pills(`a_${one.key}`, ["no", "yes", "unknown"], answers[one.key] ?? "", (value) => { answers[one.key] = value; whole(); }, undefined, say(`q_${one.key}`)))),
     element("div", { class: "row" }, element("label", { for: "answered_by" }, say("answered_by")), name),
     element("div", { class: "row" }, element("button", { onclick: () => { page.chosen = page.view = "choose"; page.render(); } }, say("back")), go,
-      maySteer() ? "" : element("span", { class: "note" }, whyNot())), toldPlace());
+      why, maySteer() ? "" : element("span", { class: "note" }, whyNot())), toldPlace());
 }

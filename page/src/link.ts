@@ -13,20 +13,23 @@ export interface ArmNow {
   /** Joints from shoulder to tool: place, and radius of what begins there; m. */
   links: [number, number, number, number][];
 }
-/** The newest millisecond, and time, target and felt force of both arms since the message before. */
-export interface Live { time_s: number; performed: number; arms: [ArmNow, ArmNow]; forces: number[][] }
+/** The newest millisecond, and time, target and felt force of both arms since the message before; `intensity` is the
+ * share of the planned forces that is wished for now. */
+export interface Live { time_s: number; performed: number; intensity?: number; arms: [ArmNow, ArmNow]; forces: number[][] }
 export interface Reply { ask: string; outcome: string; said: Said; address?: string }
 
-/** What people are told of a connection that does not work; nothing while it does. */
-export type Trouble = "" | "lost" | "stop_unheard";
+/** What people are told of a connection that does not work. */
+export type Trouble = "lost" | "shut_out" | "stop_unheard";
 
 interface Listener {
-  state(state: State): void; live(live: Live): void; reply(reply: Reply): void; trouble(word: Trouble): void;
+  state(state: State): void; live(live: Live): void; reply(reply: Reply): void;
+  /** None while the connection works. */
+  trouble(troubles: Trouble[]): void;
   /** There is another connection: much may have happened since the one before. */
   opened(): void;
 }
 
-const lostAfterMs = 800, beatEveryMs = 500, lookEveryMs = 100;
+const lostAfterMs = 800, beatEveryMs = 500, lookEveryMs = 100, tryAgainMs = 500, hangsMs = 5_000;
 /** Looks in vain after which another connection is tried. A page that was busy itself has not looked. */
 const silentLooks = 20;
 /** A stop that nobody answers is asked for again by the next connection, unless it may mean another session by then. */
@@ -34,7 +37,7 @@ const keepStopMs = 10_000;
 /** Clocks drift, so what states of long ago have told of them is forgotten. */
 const clockStates = 20;
 
-/** The one connection to the server; it comes back by itself. */
+/** The one connection to the server; it comes back by itself, unless the server does not know this page any more. */
 export class Link {
   private socket?: WebSocket;
   private sequence = 0;
@@ -44,7 +47,9 @@ export class Link {
   private looks = 0;
   /** When the stop was asked for that nobody has answered yet. */
   private stopMs: number | undefined;
-  private told: Trouble = "";
+  private told: Trouble[] = [];
+  /** A server that began anew knows none of the pages before it, and would write each of their tries into its log. */
+  private shutOut = false;
 
   constructor(private readonly listener: Listener) {
     this.open();
@@ -67,6 +72,7 @@ export class Link {
   }
 
   private open(): void {
+    if (this.shutOut) return;
     if (this.socket) {
       // Of a connection that hangs, nothing more is heard; its end may take minutes.
       this.socket.onopen = this.socket.onmessage = this.socket.onclose = null;
@@ -82,7 +88,18 @@ export class Link {
       this.listener.opened();
     };
     socket.onmessage = (event) => this.hear(JSON.parse(event.data as string));
-    socket.onclose = () => setTimeout(() => { if (this.socket === socket) this.open(); }, 500);
+    socket.onclose = () => {
+      if (this.heardMs === 0) void this.knock();
+      setTimeout(() => { if (this.socket === socket) this.open(); }, tryAgainMs);
+    };
+  }
+
+  /** A socket does not tell why it was refused. */
+  private async knock(): Promise<void> {
+    const reply = await fetch("/api/choices", { cache: "no-store", signal: AbortSignal.timeout(hangsMs) }).catch(() => undefined);
+    if (reply?.status !== 401) return;
+    this.shutOut = true;
+    this.tell();
   }
 
   private hear(message: { channel: string } & (State | Live | Reply)): void {
@@ -108,11 +125,12 @@ export class Link {
   }
 
   private tell(): void {
-    const lost = performance.now() - this.heardMs > lostAfterMs;
+    // What came while the page was busy is heard between two looks.
+    const lost = performance.now() - this.heardMs > lostAfterMs && this.looks > 1;
     const unheard = this.stopMs !== undefined && (lost || this.socket?.readyState !== WebSocket.OPEN);
-    const word = unheard ? "stop_unheard" : lost ? "lost" : "";
-    if (word === this.told) return;
-    this.told = word;
-    this.listener.trouble(word);
+    const troubles: Trouble[] = [...(unheard ? ["stop_unheard" as const] : []), ...(this.shutOut ? ["shut_out" as const] : lost && !unheard ? ["lost" as const] : [])];
+    if (troubles.join() === this.told.join()) return;
+    this.told = troubles;
+    this.listener.trouble(troubles);
   }
 }

@@ -10,11 +10,11 @@ import { reportOf, say, sayInstead } from "./words";
 
 /** Opens a finished session; why it cannot be opened is said where it was asked for. */
 export async function lookBack(session: string): Promise<void> {
-  tell(say("reading"));
+  tell(() => say("reading"));
   try {
     page.recording = await Recording.open(session);
   } catch (fault) {
-    return tell(`${say("refused")} ${sayInstead((fault as Error).message, "record_unreadable")}`);
+    return tell(() => `${say("refused")} ${sayInstead((fault as Error).message, "record_unreadable")}`);
   }
   if (!page.state!.ordered) page.left = page.state!.session;
   scene.clear();

@@ -6,13 +6,13 @@ import { type Happening } from "./happening";
 import { showInvitation } from "./invite";
 import { Link, type Reply, type State } from "./link";
 import { forgetRecording, lookedBack, play, showMoment } from "./look_back";
-import { massage, showHappened, showLive } from "./massage";
+import { doing, massage, showDoing, showHappened, showLive } from "./massage";
 import { type Plan } from "./recording";
 import { review, showByHand, showPlanning } from "./review";
 import { type Acupoint } from "./picture/marks";
 import { forgetWhom } from "./remembered";
 import { report, scan, showProgress } from "./session";
-import { type ByHand, bytes, type Choices, main, nothingSeen, page, read, scene, speak, stop, tell, type View, viewOf } from "./shown";
+import { type ByHand, bytes, type Choices, main, nothingSeen, page, read, scene, speak, stop, tell, tellSilently, type View, viewOf } from "./shown";
 import { learnTechniques } from "./techniques";
 import { applyTheme, showTop } from "./top";
 import { applyLanguage, say, saySentence } from "./words";
@@ -23,10 +23,10 @@ page.link = new Link({
   state: heard,
   live: (now) => { page.live = now; showLive(); },
   reply: answered,
-  trouble: (word) => {
-    const banner = document.getElementById("lost")!;
-    banner.hidden = !word;
-    banner.textContent = word && say(word);
+  trouble: (troubles) => {
+    page.troubles = troubles;
+    showTop();
+    showTrouble();
   },
   opened: () => {
     page.seen = nothingSeen(page.seen.session);
@@ -67,12 +67,12 @@ function heard(now: State): void {
   }
   if (now.phase !== phase) {
     page.seen.phase = now.phase;
-    speak(now.phase === "ended" ? say(`ended_${now.outcome}`) : say(`step_${next}`));
+    speak(() => say(now.phase === "ended" ? `ended_${now.outcome}` : `step_${next}`));
   }
   if (before?.operator !== now.operator || before?.operated !== now.operated) { showTop(); if (!["choose", "health", "report"].includes(page.view)) render(); }
   if (before?.paused !== now.paused && page.view === "massage") {
     render();
-    speak(say(now.paused ? "paused_title" : "massage_title"));
+    speak(() => say(doing()));
   }
   showProgress();
   if (page.view === "review") showPlanning();
@@ -135,14 +135,37 @@ async function takeNew(now: State, seen: typeof page.seen): Promise<void> {
 
 function answered(reply: Reply): void {
   if (reply.address) return showInvitation(reply.address);
-  if (reply.outcome === "done") return reply.ask === "stop" ? speak(say("stop_asked")) : undefined;
+  // Nobody has asked for a beat.
+  if (reply.ask === "beat") return;
+  if (reply.outcome === "done") {
+    tellSilently(() => "");
+    if (page.view === "review") showPlanning();
+    return reply.ask === "stop" ? speak(() => say("stop_asked")) : undefined;
+  }
   // That somebody else was first, everybody sees.
   if (reply.ask === "operate" && reply.outcome === "taken") return;
-  tell(`${say("refused")} ${saySentence(reply.said)}`);
+  tell(() => `${say("refused")} ${saySentence(reply.said)}`);
   if (reply.ask !== "change") return;
   // The plan stands, and what it was made with is drawn again.
   page.reviewsBefore = page.seen.reviews = -1;
   showPlanning();
+}
+
+let focused: Element | null = null;
+
+/** What keeps the page from its server. Until it is heard again, what was heard last is grey and nothing but STOP can be
+ * pressed; what has ended stays to be read. */
+function showTrouble(): void {
+  const banner = document.getElementById("lost")!, words = page.troubles.map((one) => say(one === "shut_out" && page.state?.password ? "logged_out" : one)).join(" ");
+  banner.hidden = !words;
+  if (banner.textContent !== words) banner.textContent = words;
+  const cut = !!words && !["report", "play"].includes(page.view);
+  if (cut && !main.inert) focused = document.activeElement;
+  if (cut !== main.inert) {
+    main.inert = cut;
+    if (!cut && focused?.id && document.activeElement === document.body) document.getElementById(focused.id)?.focus();
+  }
+  showDoing();
 }
 
 // A button that is replaced between touch and click would never hear of it; on a busy machine the click of a finger comes
@@ -166,16 +189,17 @@ function render(): void {
   const makers: Record<View, () => HTMLElement> =
     { choose: choose, health: health, scan: scan, review: review, massage: massage, report: report, play: lookedBack };
   page.slots = {};
-  if (drawn !== page.view) page.told = "";
+  if (drawn !== page.view) page.told = () => "";
   const keep = document.activeElement?.id;
   main.replaceChildren(makers[page.view]());
   if (drawn !== page.view) scrollTo(0, 0);
   drawn = page.view;
   const runs = !["idle", "ended"].includes(page.state.phase);
   document.getElementById("stop-bar")!.replaceChildren(...(runs
-    ? [element("span", {}, say(page.state.phase === "massage" && page.state.paused ? "paused_title" : `step_${page.view}`)),
+    ? [element("span", { id: "doing" }),
       element("button", { class: "stop", id: "stop", onpointerdown: stop, onclick: stop }, say("stop"), element("small", {}, say("stop_help")))] : []));
   if (keep) document.getElementById(keep)?.focus();
+  showTrouble();
   if (page.view === "review") showPlanning();
   showProgress();
   showLive();
@@ -185,6 +209,7 @@ function render(): void {
 
 addEventListener("keydown", (event) => {
   if (event.key === "Escape") return stop();
+  if (main.inert) return;
   if (page.view === "play" && page.player && !event.ctrlKey && !event.metaKey && !event.altKey) {
     // Space presses the button that has the focus, and arrows choose in a list.
     const pressed = (event.target as Element).closest?.(event.key === " " ? "button, a, select" : "select");

@@ -2,14 +2,16 @@
 import { element, table } from "./element";
 import { placeOf, stiffnessShare, wordsOf } from "./happening";
 import { type Live } from "./link";
+import { type Path } from "./picture/marks";
 import { clock } from "./player";
 import { type Plan } from "./recording";
 import { ask, page, scene, toldPlace, whyNot } from "./shown";
 import { armCards, dot, stage } from "./stage";
-import { say, sayPath } from "./words";
+import { say, sayPath, type Word } from "./words";
 
 export function massage(): HTMLElement {
   const paused = page.state!.paused, steers = page.state!.operator;
+  page.slots["doing"] = element("h1", {});
   page.slots["when"] = element("span", { class: "note" });
   page.slots["next"] = element("div", {});
   page.slots["happened"] = element("div", { class: "scroll log", tabindex: "0" });
@@ -17,8 +19,7 @@ export function massage(): HTMLElement {
   page.slots["bar"] = element("i", {});
   const arms = armCards();
   const key = (what: string): HTMLElement => element("button", { id: what, onclick: ask(what), disabled: !steers }, say(what));
-  const title = page.state!.phase === "report" ? "writing" : paused ? "paused_title" : "massage_title";
-  const picture = stage(element("h1", {}, say(title)), page.slots["when"]);
+  const picture = stage(page.slots["doing"], page.slots["when"]);
   picture.append(page.slots["softest"]);
   return element("div", { class: "split" }, picture,
     element("div", { class: "side" }, element("div", { class: "bar" }, page.slots["bar"]),
@@ -28,15 +29,23 @@ export function massage(): HTMLElement {
       element("div", { class: "card" }, element("h2", {}, say("happened")), page.slots["happened"])));
 }
 
-/** The step of the arm that is less far in the plan, and for how long nobody has paused it. */
-let reached: { plan?: Plan; step: number; forS: number; seenS: number } = { step: -1, forS: 0, seenS: 0 };
+/** The step of the arm that is less far in the plan, and for how long nobody has paused it; of each arm the step that it
+ * serves or served last. */
+let reached: { plan?: Plan; step: number; forS: number; seenS: number; arms: number[] } = { step: -1, forS: 0, seenS: 0, arms: [] };
+
+/** What the massage does now. An arm that is paused on its way touches nobody. */
+export function doing(): Word {
+  if (page.state?.phase === "report") return "writing";
+  if (!page.state?.paused) return "massage_title";
+  return page.live?.arms.some((arm) => arm.phase === "contact") ? "paused_title" : "paused";
+}
 
 /** Seconds that are ahead by the plan's own times: those of the robot count what was before this plan, too. */
 function restOf(plan: Plan, live: Live): number {
   const steps = live.arms.flatMap((arm) => plan.paths[arm.path]?.step ?? []), seenS = live.time_s;
   // Between two paths an arm serves none.
   const step = steps.length ? Math.min(...steps) : plan === reached.plan ? reached.step : -1;
-  if (plan !== reached.plan || step !== reached.step) reached = { plan, step, forS: 0, seenS };
+  if (plan !== reached.plan || step !== reached.step) reached = { plan, step, forS: 0, seenS, arms: plan === reached.plan ? reached.arms : [] };
   if (!page.state?.paused) reached.forS += seenS - reached.seenS;
   reached.seenS = seenS;
   const endS = (last: number): number =>
@@ -45,7 +54,27 @@ function restOf(plan: Plan, live: Live): number {
   return plan.duration_s - Math.min(endS(reached.step), endS(reached.step - 1) + reached.forS);
 }
 
+/** The steps after those that both arms serve or have served. A page that was opened since knows by what has ended. */
+function ahead(plan: Plan, live: Live): Path[] {
+  const ended = page.happened.findLast((one) => one.what === "ended" && plan.paths[one.path]?.name === one.name);
+  live.arms.forEach((arm, i) => { reached.arms[i] = plan.paths[arm.path]?.step ?? reached.arms[i] ?? -1; });
+  const step = Math.max(...reached.arms);
+  const served = step >= 0 || !ended ? step : plan.paths[ended.path]!.step;
+  return plan.paths.filter((path) => path.step > served).slice(0, 4);
+}
+
+/** What a path is to be given by the wish of now. */
+const wishedN = (path: Path, live: Live): number => Math.min(path.ordered_n * (live.intensity ?? 1), path.cap_n ?? Infinity);
+
+/** What is done now, above the picture and beside STOP; of a connection that is lost nobody knows. */
+export function showDoing(): void {
+  if (page.slots["doing"]) page.slots["doing"].textContent = say(doing());
+  const bar = document.getElementById("doing");
+  if (bar) bar.textContent = say(page.troubles.length ? "not_connected" : page.view === "massage" ? doing() : `step_${page.view}`);
+}
+
 export function showLive(): void {
+  showDoing();
   if (!page.live) return;
   page.live.arms.forEach((arm, i) => {
     scene.moveArm(i, arm.links);
@@ -57,9 +86,8 @@ export function showLive(): void {
   page.live.forces = [];
   if (!page.plan) return;
   const rest = restOf(page.plan, page.live);
-  const step = Math.max(...page.live.arms.map((arm) => page.plan!.paths[arm.path]?.step ?? -1));
-  const next = page.plan.paths.filter((path) => path.step > step).slice(0, 4);
-  page.slots["next"]?.replaceChildren(table(next.map((path) => [sayPath(path.name), say(path.arm), `${path.ordered_n.toFixed(0)} N`])));
+  const { live } = page, next = ahead(page.plan, live);
+  page.slots["next"]?.replaceChildren(table(next.map((path) => [sayPath(path.name), say(path.arm), `${wishedN(path, live).toFixed(0)} N`])));
   const done = `${page.live.performed}/${page.plan.paths.length} ${say("done_paths")}`;
   page.slots["when"]?.replaceChildren(`${done} · ${say("remaining")} ${clock(rest)} ${say("remaining_end")}`);
 }

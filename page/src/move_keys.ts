@@ -2,6 +2,7 @@
 import { element } from "./element";
 import { type Acupoint } from "./picture/marks";
 import { type Scene } from "./picture/scene";
+import { type Words } from "./shown";
 import { say } from "./words";
 
 const stepM = 0.002;
@@ -10,7 +11,7 @@ const ways: Record<string, [number, number]> =
 
 /** A button whose arrow keys move an acupoint over the back that is shown, for hands that do not drag. Enter, or
  * whatever takes the focus away, keeps the new place; a press that has moved nothing has the keys told. */
-export function moveKeys(point: Acupoint, scene: Scene, disabled: boolean, tell: (words: string) => void): HTMLElement {
+export function moveKeys(point: Acupoint, scene: Scene, disabled: boolean, tell: (words: Words) => void): HTMLElement {
   let moved: [number, number, number] | undefined;
   const keep = (): boolean => {
     const at = moved;
@@ -19,7 +20,7 @@ export function moveKeys(point: Acupoint, scene: Scene, disabled: boolean, tell:
     return !!at;
   };
   const button = element("button", { id: `move_${point.name}`, "aria-label": `${say("move_here")} ${point.name}. ${say("move_keys")}`,
-    title: say("move_keys"), disabled, onblur: () => void keep(), onclick: () => { if (!keep()) tell(say("move_keys")); } }, say("move_here"));
+    title: say("move_keys"), disabled, onblur: () => void keep(), onclick: () => { if (!keep()) tell(() => say("move_keys")); } }, say("move_here"));
   button.onkeydown = (event) => {
     const way = ways[event.key];
     if (!way) return;

@@ -9,7 +9,11 @@ const speeds = [1, 2, 3, 5, 10];
 const stepS = 5;
 const columns = 500;
 
-export const clock = (timeS: number): string => `${Math.floor(timeS / 60)}:${String(Math.floor(timeS % 60)).padStart(2, "0")}`;
+/** Whole seconds are rounded, as in the report. */
+export function clock(timeS: number): string {
+  const whole = Math.round(Math.max(0, timeS));
+  return `${Math.floor(whole / 60)}:${String(whole % 60).padStart(2, "0")}`;
+}
 
 function drawn(name: string, given: Record<string, string | number>): SVGElement {
   const made = document.createElementNS("http://www.w3.org/2000/svg", name);

@@ -32,11 +32,11 @@ export function showByHand(): void {
 function change(wanted: ByHand): void {
   letGo();
   if (!mayAnswer()) {
-    speak(maySteer() ? say("planning_anew") : whyNot());
+    speak(() => (maySteer() ? say("planning_anew") : whyNot()));
     return showByHand();
   }
   steer();
-  page.told = "";
+  page.told = () => "";
   page.reviewsBefore = drawn;
   page.wanted = wanted;
   scene.showRuledOut(wanted.no_go.map((area) => area.corners));
@@ -90,7 +90,7 @@ export function showPlanning(): void {
     if (button) button.disabled = !may;
   }
   if (!place || page.view !== "review") return;
-  place.textContent = planning ? say("planning_anew") : page.told || (page.state!.said.length ? `${say("refused")} ${sayLines(page.state!.said)}` : "");
+  place.textContent = planning ? say("planning_anew") : page.told() || (page.state!.said.length ? `${say("refused")} ${sayLines(page.state!.said)}` : "");
 }
 
 export function review(): HTMLElement {

@@ -2,19 +2,22 @@
 import { element } from "./element";
 import { Forces } from "./forces";
 import { type Happening } from "./happening";
-import { type Link, type Live, type State } from "./link";
+import { type Link, type Live, type State, type Trouble } from "./link";
 import { type Player } from "./player";
 import { type Plan, type Recording } from "./recording";
 import { type Acupoint } from "./picture/marks";
 import { type Edit, Scene } from "./picture/scene";
 import { say } from "./words";
 
-export interface Choices { people: string[]; positions: string[]; programmes: { name: string; description: string }[]; techniques: { name: string; colour: string }[]; questions: { key: string }[]; zones: { name: string; cap_n: number }[]; max_seed: number; keeps_people: boolean; devices: Devices | null }
+export interface Choices { people: string[]; positions: string[]; programmes: { name: string; description: string }[]; techniques: { name: string; colour: string }[]; questions: { key: string }[]; zones: { name: string; cap_n: number }[]; max_seed: number; max_name_letters: number; keeps_people: boolean; devices: Devices | null }
 /** Arms that the server drives, and who is before them; nothing of it is chosen here. */
 export interface Devices { named: string; person: string | null; position: string; seed: number }
 export type View = "choose" | "health" | "scan" | "review" | "massage" | "report" | "play";
 /** What is ruled out and what was moved by hand. */
 export interface ByHand { no_go: { name: string; corners: [number, number, number][] }[]; fixed: { name: string; at: [number, number, number] }[] }
+
+/** Words that are said anew when another language is chosen. */
+export type Words = () => string;
 
 /** What has come from the server, by the numbers of the state that it was asked for. */
 interface Seen {
@@ -33,7 +36,9 @@ interface Shown {
   wanted: ByHand; editing: Edit; reviewsBefore: number;
   recording?: Recording | undefined; player?: Player | undefined;
   /** What was said last where it was asked for, in this view. */
-  told: string;
+  told: Words;
+  /** What keeps the page from its server; nothing while it hears and is heard. */
+  troubles: Trouble[];
   /** What is drawn anew within a view, by its name. */
   forces: Forces[]; slots: Record<string, HTMLElement>;
 }
@@ -42,7 +47,7 @@ interface Shown {
 export const page = {
   points: [], happened: [], view: "choose", chosen: "choose", left: "", steered: false, zonesShown: false,
   seen: nothingSeen(""), wanted: { no_go: [], fixed: [] },
-  editing: "turn", reviewsBefore: -1, told: "", forces: [], slots: {},
+  editing: "turn", reviewsBefore: -1, told: () => "", troubles: [], forces: [], slots: {},
 } as unknown as Shown;
 
 export const main = document.getElementById("main")!;
@@ -61,17 +66,26 @@ export async function read<T>(path: string): Promise<T | undefined> {
   const text = await bytes(path);
   return text && (JSON.parse(new TextDecoder().decode(text)) as T);
 }
-export const speak = (words: string): void => { document.getElementById("spoken")!.textContent = words; };
+let spoken: Words = () => "";
+/** To who does not see the page. */
+export function speak(words: Words): void {
+  spoken = words;
+  document.getElementById("spoken")!.textContent = words();
+}
+export const speakAgain = (): void => speak(spoken);
 
 /** Says something where it was asked for, aloud too. */
-export function tell(words: string): void {
+export function tell(words: Words): void {
   speak(words);
+  tellSilently(words);
+}
+export function tellSilently(words: Words): void {
   page.told = words;
   const place = document.getElementById("refusal");
-  if (place) place.textContent = words;
+  if (place) place.textContent = words();
 }
 /** Where that stands. It stays when the view is drawn anew, which anybody's doing may cause, until the next view. */
-export const toldPlace = (): HTMLElement => element("p", { id: "refusal", class: "note", role: "alert" }, page.told);
+export const toldPlace = (): HTMLElement => element("p", { id: "refusal", class: "note", role: "alert" }, page.told());
 
 export const ask = (what: string) => () => page.link.ask(what);
 /** Whether this page steers, or may begin to by the next thing it asks. */

@@ -1,23 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
 import { element } from "./element";
 import { openInvitation } from "./invite";
-import { ask, page, type View } from "./shown";
+import { ask, page, speakAgain, type View } from "./shown";
 import { changeLanguage, say } from "./words";
 
 export function showTop(): void {
   const steps: View[] = ["choose", "health", "scan", "review", "massage", "report"];
-  const who = page.state?.viewer ? "you_watch" : page.state?.operator ? "you_operate" : page.state?.operated ? "somebody_operates" : "nobody_operates";
+  const cut = page.troubles.length > 0, keep = document.activeElement?.id;
+  const who = cut ? "not_connected" : page.state?.viewer ? "you_watch" : page.state?.operator ? "you_operate" : page.state?.operated ? "somebody_operates" : "nobody_operates";
   document.getElementById("top")!.replaceChildren(
     element("div", { class: "name" }, element("img", { src: "/icon.svg", alt: "" }), "tuina"),
     element("ol", { class: "steps" }, ...steps.map((step) =>
       element("li", step === (page.view === "play" ? "report" : page.view) ? { "aria-current": "step" } : {}, say(`step_${step}`)))),
     element("div", { class: "tools" }, element("span", {}, say(who)),
-      ...(page.state?.viewer ? [] : [page.state?.operator ? element("button", { onclick: () => { page.steered = false; page.link.ask("hand_over"); } }, say("hand_over"))
-        : element("button", { onclick: ask("operate"), disabled: page.state?.operated }, say("take")),
-        element("button", { id: "open_invitation", onclick: openInvitation }, say("open_invitation"))]),
-      page.state?.password ? element("button", { id: "leave_server", onclick: leaveServer }, say("log_out")) : "",
-      element("button", { id: "language", onclick: () => { changeLanguage(); showTop(); page.render(); } }, say("language")),
+      ...(page.state?.viewer ? [] : [page.state?.operator ? element("button", { id: "hand_over", disabled: cut, onclick: () => { page.steered = false; page.link.ask("hand_over"); } }, say("hand_over"))
+        : element("button", { id: "take", onclick: ask("operate"), disabled: cut || page.state?.operated }, say("take")),
+        element("button", { id: "open_invitation", disabled: cut, onclick: openInvitation }, say("open_invitation"))]),
+      page.state?.password ? element("button", { id: "leave_server", disabled: cut, onclick: leaveServer }, say("log_out")) : "",
+      element("button", { id: "language", onclick: () => { changeLanguage(); showTop(); speakAgain(); page.render(); } }, say("language")),
       element("button", { id: "theme", onclick: changeTheme, "aria-label": say("theme"), title: say("theme") }, "◐")));
+  if (keep) document.getElementById(keep)?.focus();
   document.getElementById("foot")!.textContent = page.state?.audit_fails ? say("unsafe_log") : `${say(page.choices?.devices?.person === null ? "own_devices" : "simulated")} ${page.choices?.devices?.named ?? ""} ${paceWords()}`;
 }
 

@@ -13,6 +13,9 @@ const inEnglish = (): boolean => language === "en";
 /** The report of a session. English is what the session leaves; another language is asked of the server. */
 export const reportOf = (session: string): string => `/sessions/${session}/report.html${inEnglish() ? "" : `?language=${language}`}`;
 
+/** A moment of UTC, where and as the reader lives. */
+export const dayAndTime = (utc: string): string => new Date(utc).toLocaleString(language, { dateStyle: "medium", timeStyle: "short" });
+
 /** The word in the language that was chosen; what has no translation stands as it is. */
 export function say(word: string): string {
   const words: Record<string, string> = languages[language];
@@ -33,6 +36,9 @@ export function saySentence(said: Said): string {
   const words: Record<string, string> = languages[language];
   return words[said.key]?.replace(/\{(\d)\}/g, (_, i: string) => sayPath(said.values[Number(i)] ?? "")) ?? said.words;
 }
+
+/** The words of a key, with what stands in them. */
+export const sayWith = (key: Word, ...values: (string | number)[]): string => saySentence({ words: "", key, values: values.map(String) });
 
 export const sayLines = (lines: Said[][]): string => lines.map((line) => line.map(saySentence).join("")).join("\n");
 

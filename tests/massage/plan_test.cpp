@@ -320,7 +320,7 @@ TEST_CASE("a plan says which points are known less well than the tool is wide") 
     if (point.name == "BL50_R" || point.name == "BL47_L") point.uncertainty_m = 21_mm;
   }
   const auto doubtful = massage::plan(person.back, person.points, {}, presses);
-  CHECK(noted(*doubtful, "known less well than that (95 %): BL50_R 21 mm"));
+  CHECK(noted(*doubtful, "known less well than that (95 %, mm): BL50_R 21"));
 }
 
 TEST_CASE("a configured ceiling lowers every cap, and none raises the ceilings of the zones") {

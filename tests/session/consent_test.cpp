@@ -48,6 +48,7 @@ TEST_CASE(
     "a form that nobody filled in, nobody's answers and a question nobody asked are refused") {
   CHECK_FALSE(parse_consent(consent_form(), "c.toml").has_value());
   CHECK_FALSE(parse_consent(consent_form("", "no"), "c.toml").has_value());
+  CHECK_FALSE(parse_consent(consent_form("   ", "no"), "c.toml").has_value());
   CHECK_FALSE(parse_consent("", "c.toml").has_value());
   const auto unknown =
       parse_consent(consent_form("P. Smith", "no") + "pacemakers = \"no\"\n", "c.toml");

@@ -7,10 +7,10 @@ class Server:
     """`tuina serve --port 0`, or another verb with the live page, in a folder of its own; `address` is the line that
     it printed."""
 
-    def __init__(self, binary, folder, *options, verb="serve", tls=None, at="127.0.0.1"):
+    def __init__(self, binary, folder, *options, verb="serve", tls=None, at="127.0.0.1", port=0):
         """With `tls`, the context of a client of TLS, the server is reached by that at the address `at`."""
         self.folder, self.tls, self.at = folder, tls, at
-        self.process = subprocess.Popen([binary, verb, "--port", "0", "--out", folder, *options],
+        self.process = subprocess.Popen([binary, verb, "--port", str(port), "--out", folder, *options],
                                         stdout=subprocess.PIPE, text=True)
         atexit.register(self.process.kill)  # whoever waits for the output of a test waits for its server, too
         self.address = self.process.stdout.readline().strip()

@@ -125,6 +125,7 @@ def messages(page, viewer, order):
     for key, value in [("person", "/etc/passwd"), ("person", "phantom:medium\n"), ("programme", "../relax"),
                        ("programme", 7), ("intensity", 6), ("intensity", 2.5), ("seed", -1), ("seed", 10**30),
                        ("position", "standing"), ("answered_by", ""), ("answered_by", "x" * 1000),
+                       ("answered_by", "   "), ("answered_by", " \u3000"), ("answered_by", "林" * 41),
                        ("answered_by", 'a"\nbleeding = "no'), ("answers", {}), ("answers", {"bleeding": "maybe"}),
                        ("force_ceiling_n", 90)]:
         def act(key=key, value=value):

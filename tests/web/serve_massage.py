@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Massages driven through the WebSocket of `tuina serve`: one to its end, one stopped by a viewer, one left alone."""
-import json, os, struct, subprocess, sys, tempfile, time
+import datetime, json, os, struct, subprocess, sys, tempfile, time
 from serve_client import Page, Server
 
 faults = []
@@ -72,7 +72,9 @@ def to_its_end(server, page, order):
            and "skip" in commands)
     expect("forces were shown", max(row[1] for live in page.live for row in live["forces"]) > 5.0)
     listed = json.loads(server.ask("/api/sessions", Cookie=page.cookie)[2])
-    expect("it is listed", [one["session"] for one in listed] == [page.state["session"]])
+    expect("it is listed", [one["session"] for one in listed["sessions"]] == [page.state["session"]] and listed["count"] == 1)
+    ended = datetime.datetime.fromisoformat(listed["sessions"][0]["ended"].replace("Z", "+00:00"))
+    expect(f"with its time {ended}", abs(datetime.datetime.now(datetime.timezone.utc) - ended) < datetime.timedelta(minutes=5))
     status, headers, report = server.ask(f"/sessions/{page.state['session']}/report.html", Cookie=page.cookie)
     expect("its report", status == 200 and b"</html>" in report.lower() and b"sandbox" not in report[:100])
     status, headers_too, other = server.ask(f"/sessions/{page.state['session']}/report.html?language=zh-Hant", Cookie=page.cookie)
@@ -197,7 +199,7 @@ def main(binary):
         page, viewer = Page(server, cookie), Page(server, cookie)
         questions = json.loads(server.ask("/api/choices", Cookie=cookie)[2])["questions"]
         order = {"person": "phantom:slim", "position": "sitting", "programme": "relax", "intensity": 2, "seed": 3,
-                 "answered_by": "a test \"of\" \\ 推拿", "answers": {question["key"]: "no" for question in questions}}
+                 "answered_by": " a test \"of\" \\ " + 24 * "推", "answers": {question["key"]: "no" for question in questions}}
         expect("operate", page.outcome("operate") == "done")
         refused_by_health(server, page, order)
         stopped_in_scan(server, page, order)

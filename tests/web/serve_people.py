@@ -92,6 +92,9 @@ def refused(server, page):
     expect("it is a viewer", viewer.state["viewer"])
     for path in ("/api/people", "/api/remembered/sitting/anna"):
         expect(f"a viewer's {path}", got(server, viewer, path)[0] == 403)
+    for who, named in ((page, True), (viewer, False)):
+        listed = got(server, who, "/api/sessions")[1]["sessions"]
+        expect(f"whose sessions they were: {listed}", listed and all((one.get("who") == "anna") == named for one in listed))
     expect("who looked is in the audit log", any(line["what"] == "look up people" for line in server.audit()))
     viewer.close()
 

@@ -68,12 +68,12 @@ Sentence doubtful_places(std::span<const Acupoint> acupoints, std::span<const Pl
     });
     if (pressed && point.uncertainty_m > contact_radius_m)
       doubtful.push_back(
-          fmt::format("{} {:.0f} mm", point.name, std::ceil(to_mm(point.uncertainty_m))));
+          fmt::format("{} {:.0f}", point.name, std::ceil(to_mm(point.uncertainty_m))));
   }
   if (doubtful.empty()) return {};
   return sentence("note_places_unsure",
                   "the tool covers {:.0f} mm, and the places of these points are known less well "
-                  "than that (95 %): {}",
+                  "than that (95 %, mm): {}",
                   to_mm(contact_radius_m), fmt::format("{}", fmt::join(doubtful, ", ")));
 }
 

@@ -15,7 +15,7 @@ Result<Consent> parse_consent(std::string_view text, std::string_view name) {
   const auto read = read_toml(text, name, Fault::config, [&](const TomlTable& root) {
     root.only({}, {"answered_by", "answers"});
     consent.answered_by = root.text("answered_by").value_or("");
-    if (root.has("answered_by") && consent.answered_by.empty()) {
+    if (root.has("answered_by") && only_white_space(consent.answered_by)) {
       root.reject("answered_by", "answered_by is empty");
     }
     const auto answers = root.table("answers");

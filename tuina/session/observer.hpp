@@ -29,6 +29,7 @@ struct Tick {
   safety::RobotVerdict verdict;
   PerArm<ArmView> view;
   std::size_t performed = 0;             ///< paths ended so far, in this plan
+  double intensity = 1.0;                ///< share of the planned forces that is wished for now
   std::optional<LiveCommand> commanded;  ///< somebody asked for it now
   std::optional<Performed> ended;        ///< a path of this plan
   std::optional<Decision> decided;

@@ -177,6 +177,7 @@ struct Happened {
             .verdict = verdict,
             .view = massage.view(),
             .performed = massage.performed().size(),
+            .intensity = massage.intensity(),
             .commanded = std::exchange(commanded, std::nullopt),
             .ended = next(massage.performed(), ended),
             .decided = next(massage.decisions(), decided),

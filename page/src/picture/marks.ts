@@ -4,7 +4,7 @@ import { techniqueColours } from "../techniques";
 
 export type Place = [number, number, number];
 export interface Acupoint { name: string; at: Place; normal: Place; uncertainty_mm: number }
-export interface Path { name: string; technique: string; arm: string; step: number; start_s: number; duration_s: number; zone: string; ordered_n: number; places: Place[] }
+export interface Path { name: string; technique: string; arm: string; step: number; start_s: number; duration_s: number; zone: string; ordered_n: number; cap_n?: number; places: Place[] }
 
 const ruledOutColour = "#d04a4a", newestPoints = 400;
 
