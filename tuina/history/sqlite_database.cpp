@@ -56,7 +56,11 @@ class SqliteDatabase final : public Database {
 
  private:
   [[nodiscard]] tl::unexpected<Error> refused() const {
-    return fail(Fault::file, "{}: {}", path_, sqlite3_errmsg(connection_.get()));
+    const bool broken = (sqlite3_errcode(connection_.get()) & 0xFF) == SQLITE_CORRUPT;
+    return fail(Fault::file, "{}: {}{}", path_, sqlite3_errmsg(connection_.get()),
+                broken ? "; `tuina history rebuild FOLDER --history NEW.sqlite` makes another one "
+                         "of the folders of sessions"
+                       : "");
   }
   static int bind(sqlite3_stmt* statement, int place, const Value& value) {
     if (const auto* whole = std::get_if<std::int64_t>(&value))
@@ -96,15 +100,44 @@ class SqliteDatabase final : public Database {
   std::string path_;
 };
 
+/// As a file that nobody changes. Who may not write could not lay beside it what SQLite needs for
+/// readers and writers at once.
+int open_unchanging(const std::string& path, std::unique_ptr<sqlite3, Close>& connection) {
+  std::string address = "file:";
+  for (const char letter : std::filesystem::absolute(path).string()) {
+    if (letter == '%' || letter == '?' || letter == '#') {
+      address += fmt::format("%{:02X}", static_cast<unsigned char>(letter));
+    } else {
+      address += letter;
+    }
+  }
+  sqlite3* opened = nullptr;
+  const int state = sqlite3_open_v2((address + "?immutable=1").c_str(), &opened,
+                                    SQLITE_OPEN_READONLY | SQLITE_OPEN_URI, nullptr);
+  connection.reset(opened);
+  return state;
+}
+
+/// Who may not write may read: SQLite opens it so by itself. While somebody writes, their log lies
+/// beside it, and it is read as it changes.
+int open_file(const std::string& path, std::unique_ptr<sqlite3, Close>& connection) {
+  sqlite3* opened = nullptr;
+  const int state =
+      sqlite3_open_v2(path.c_str(), &opened, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, nullptr);
+  connection.reset(opened);
+  std::error_code ignored;
+  const bool still = state == SQLITE_OK && sqlite3_db_readonly(opened, "main") == 1 &&
+                     !std::filesystem::exists(path + "-wal", ignored);
+  return still ? open_unchanging(path, connection) : state;
+}
+
 }  // namespace
 
 Result<std::unique_ptr<Database>> open_sqlite(const std::string& path) {
   std::error_code ignored;
   const bool made = !std::filesystem::exists(path, ignored);
-  sqlite3* opened = nullptr;
-  const int state =
-      sqlite3_open_v2(path.c_str(), &opened, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, nullptr);
-  std::unique_ptr<sqlite3, Close> connection(opened);
+  std::unique_ptr<sqlite3, Close> connection;
+  const int state = open_file(path, connection);
   if (state != SQLITE_OK) {
     return fail(Fault::file,
                 "{}: {}; it is to be a file that can be written, in a folder that "
