@@ -84,6 +84,16 @@ TEST_CASE("the page of robots names stops with their causes, and draws what is k
   CHECK(fleet_page(fleet, now).find("No session was stopped or cut short.") != std::string::npos);
 }
 
+TEST_CASE(
+    "a session that has ended without a record leaves the forces of the one before in sight") {
+  std::vector<MachineHistory> fleet = {machine_called("room-1", now, "idle")};
+  fleet[0].sessions[1].ended = true;
+  const telemetry::Table table = fleet_table(fleet, now);
+  CHECK(cell(table, 0, "force_rmse_n") == "0.25");
+  CHECK(cell(table, 0, "left_zero_n") == "0.50");
+  CHECK(fleet_page(fleet, now).find("1 robot, 2 sessions;") != std::string::npos);
+}
+
 TEST_CASE("what a wrist feels in the air is told apart from contact") {
   std::vector<telemetry::TraceRow> trace(4);
   trace[0].measured_force_n = 0.2;

@@ -5,6 +5,7 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <cstdio>
 #include <limits>
 
 using namespace tuina::telemetry;
@@ -70,6 +71,29 @@ TEST_CASE("a legend that does not fit beside the name of the y axis has a row of
   };
   CHECK(drawn("short").find("translate(0 15)") == std::string::npos);
   CHECK(drawn(std::string(120, 'w')).find("translate(0 15)") != std::string::npos);
+}
+
+TEST_CASE("a dot on the edge of a plot is drawn whole") {
+  Plot plot{.title = "t", .x_label = "x", .y_label = "y"};
+  plot.series = {{.name = "s", .x = {0.0, 0.5, 1.0}, .y = {0.0, 1.0, 0.5}}};
+  plot.series.front().dots = true;
+  plot.y_low = 0.0, plot.y_high = 1.0;
+  const std::string svg = to_svg(plot), clip = svg.substr(svg.rfind("<svg"));
+  double left = 0.0, top = 0.0, width = 0.0, height = 0.0;
+  REQUIRE(std::sscanf(clip.c_str(), R"(<svg x="%lf" y="%lf" width="%lf" height="%lf")", &left, &top,
+                      &width, &height) == 4);
+  constexpr double rounding = 0.11;
+  std::size_t dots = 0;
+  for (auto at = clip.find("<circle"); at != clip.npos; at = clip.find("<circle", at + 1), ++dots) {
+    double x = 0.0, y = 0.0, radius = 0.0;
+    REQUIRE(std::sscanf(clip.c_str() + at, R"(<circle cx="%lf" cy="%lf" r="%lf")", &x, &y,
+                        &radius) == 3);
+    CHECK(x - radius > left - rounding);
+    CHECK(x + radius < left + width + rounding);
+    CHECK(y - radius > top - rounding);
+    CHECK(y + radius < top + height + rounding);
+  }
+  CHECK(dots == 3);
 }
 
 TEST_CASE("plots without data, with one point and with equal values are still drawings") {

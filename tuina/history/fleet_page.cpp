@@ -227,7 +227,7 @@ telemetry::Table fleet_table(std::span<const MachineHistory> fleet, const std::s
     for (const MachineSession& session : one.sessions) {
       stopped += session.stops > 0 ? 1 : 0;
       cut += cut_short(one, session, now) ? 1 : 0;
-      if (session.ended) last = &session;
+      if (session.ended && std::isfinite(session.force_rmse_n)) last = &session;
     }
     const auto newest = [&](double value) {
       return last != nullptr && std::isfinite(value) ? telemetry::Cell(value) : telemetry::Cell();
@@ -253,8 +253,9 @@ std::string fleet_page(std::span<const MachineHistory> fleet, const std::string&
   telemetry::Page page({.title = "Robots",
                         .over = "tuina",
                         .heading = "Robots",
-                        .meta = fmt::format("{} robots, {} sessions; {} UTC", fleet.size(),
-                                            sessions, day_and_time(now)),
+                        .meta = fmt::format("{} robot{}, {} session{}; {} UTC", fleet.size(),
+                                            fleet.size() == 1 ? "" : "s", sessions,
+                                            sessions == 1 ? "" : "s", day_and_time(now)),
                         .lead = {},
                         .footer = "What robots have told of themselves; nothing of the people."});
   auto& part = page.section("Now");

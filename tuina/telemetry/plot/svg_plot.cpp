@@ -201,6 +201,10 @@ std::string drawn(const Band& band, const Frame& frame) {
   return fmt::format("<path d=\"{}Z\" fill=\"{}\" fill-opacity=\".2\"/>", d, css(band.colour));
 }
 
+double radius_px(const Series& series) {
+  return 1.6 * series.width_px;
+}
+
 std::string drawn(const Series& series, const Frame& frame) {
   if (!series.dots)
     return fmt::format("<path d=\"{}\" stroke=\"{}\" stroke-width=\"{:.1f}\"{}/>",
@@ -210,7 +214,7 @@ std::string drawn(const Series& series, const Frame& frame) {
   for (std::size_t k = 0; k < series.x.size(); ++k) {
     if (!std::isfinite(series.x[k]) || !std::isfinite(series.y[k])) continue;
     svg += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{:.1f}\" fill=\"{}\"/>",
-                       frame.px(series.x[k]), frame.py(series.y[k]), 1.6 * series.width_px,
+                       frame.px(series.x[k]), frame.py(series.y[k]), radius_px(series),
                        css(series.colour));
   }
   return svg;
@@ -238,11 +242,16 @@ std::string to_svg(const Plot& plot) {
   const Frame frame = frame_of(plot);
   std::string svg = open_svg(plot.width_px, plot.height_px, plot.title) + axes(plot, frame) +
                     legend(plot, frame.left + frame.width);
+  // A dot on the edge is drawn whole.
+  double over_px = 0.0;
+  for (const Series& series : plot.series)
+    if (series.dots) over_px = std::max(over_px, radius_px(series));
   // Several drawings share a page, so the clip is an inner <svg> and needs no name.
   svg += fmt::format(
       "<svg x=\"{0:.1f}\" y=\"{1:.1f}\" width=\"{2:.1f}\" height=\"{3:.1f}\" viewBox=\"{0:.1f} "
       "{1:.1f} {2:.1f} {3:.1f}\" fill=\"none\" stroke-linejoin=\"round\">",
-      frame.left, frame.top, frame.width, frame.height);
+      frame.left - over_px, frame.top - over_px, frame.width + 2 * over_px,
+      frame.height + 2 * over_px);
   for (const Band& band : plot.bands) svg += drawn(band, frame);
   for (const Mark& mark : plot.marks) {
     svg += fmt::format("<path d=\"M{:.1f} {:.1f}v{:.1f}\" stroke=\"{}\"/>", frame.px(mark.x),
