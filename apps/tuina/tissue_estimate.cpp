@@ -42,6 +42,7 @@ struct Wanted {
 struct Estimated {
   TissueEstimate last;
   double nis = 1.0;
+  bool too_slow = false;
   tissue::SensorNoise noise = {};
   std::string trace = trace_header;
   std::vector<TimedEstimate> history = {};
@@ -172,6 +173,7 @@ class TissueEstimateVerb final : public Verb {
                                      });
       result.last = made->estimator.estimate();
       result.nis = made->estimator.nis();
+      result.too_slow = made->estimator.too_slow();
       result.noise = made->noise;
     } else {
       result =
@@ -238,6 +240,10 @@ class TissueEstimateVerb final : public Verb {
       answer.text +=
           "; no press is in the record, so these are only assumed: is the position in mm, larger "
           "where deeper, and the force out of the skin?";
+    if (result.too_slow)
+      answer.text +=
+          "\nMost rows lie more than 0.05 s apart, too far to tell how the tissue relaxes: such a "
+          "record never converges; `tuina tissue fit` takes it.";
     // A body that gives way beneath is felt as softer tissue, and no record tells the two apart.
     if (e.presses > 0 && ours && !torso_n_per_mm_)
       answer.text +=

@@ -16,6 +16,9 @@ constexpr std::size_t marginalise_at = 384;
 constexpr double publish_every_s = 0.03;
 // Segments that a tick passes: a pass over three presses then needs a tenth of a second.
 constexpr std::size_t turns_per_tick = 2;
+// Below some 200 samples a second nearly each one is a segment, and a pass has to hurry, or the
+// window is full before it ends.
+constexpr std::size_t crowded_at = 448, turns_in_a_hurry = 16;
 constexpr double z95 = 1.96;
 // Neighbouring segments share what the law leaves out, so evidence counts less than its sum.
 constexpr double evidence_share = 0.6;
@@ -119,7 +122,7 @@ void CreepEstimator::update(double time_s, const Press& sample) noexcept {
   segments_.add(time_s, sample);
   if (followed_ < segments_.closed()) follow();
   if (segments_.presses() > seen_presses_) judge_press();
-  if (passing_) pass(turns_per_tick);
+  if (passing_) pass(segments_.size() < crowded_at ? turns_per_tick : turns_in_a_hurry);
 }
 
 void CreepEstimator::settle() noexcept {

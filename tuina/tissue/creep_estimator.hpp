@@ -16,8 +16,8 @@ namespace tuina::tissue {
 /// Several filters of the creep law with different assumptions run side by side, each weighted by
 /// its evidence. alpha and beta are those of the first loading at 10 mm/s. `converged` is said of
 /// the force that will be met: at the strongest force so far the 95 % half-width of a next press is
-/// at most 15 %, the last press kept to what was told within two standard deviations, and the law
-/// describes what is felt. No heap, no exceptions.
+/// at most 15 %, the last press kept to what was told within two standard deviations, the law
+/// describes what is felt, and that comes twenty times a second or more. No heap, no exceptions.
 class CreepEstimator {
  public:
   /// The same as the press estimator takes.
@@ -62,6 +62,8 @@ class CreepEstimator {
   /// True when the last press was foretold and came otherwise, by more than two standard
   /// deviations.
   [[nodiscard]] bool surprised() const noexcept { return seen_presses_ >= 2 && !as_told_; }
+  /// True where most samples lie more than 50 ms apart: nothing converges then.
+  [[nodiscard]] bool too_slow() const noexcept { return segments_.too_slow(); }
   /// Forgets the person but not the options.
   void reset() noexcept;
   /// Keeps of the presses so far what people have much alike all over, such as how their tissue

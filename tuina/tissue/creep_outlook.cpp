@@ -162,8 +162,8 @@ void CreepEstimator::judge_press() noexcept {
 
 void CreepEstimator::decide_convergence() noexcept {
   const bool was = estimate_.converged;
-  estimate_.converged =
-      as_told_ && nis_ <= max_nis && force_half_width(strongest_.force_n) <= well_foretold_share;
+  estimate_.converged = as_told_ && !too_slow() && nis_ <= max_nis &&
+                        force_half_width(strongest_.force_n) <= well_foretold_share;
   if (!estimate_.converged)
     estimate_.converged_after_s = -1.0;
   else if (!was)

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace tuina::tissue {
 namespace {
@@ -11,12 +12,12 @@ namespace {
 constexpr double block_s = 4.5e-3;     // five samples at 1 kHz
 constexpr double max_segment_s = 0.1;  // the breath moves the skin little within it
 constexpr double max_gap_s = 0.05;     // a dropout; the two sides are not averaged
+constexpr double max_bridge_s = 0.3;   // nobody lets go and presses again within it
 constexpr double min_force_n = 1.0;
 // Cells of equal width in the root of the force span about equal depths on every tissue.
 constexpr double cell_root_n = 0.1863;  // sqrt(80 N) / 48
 constexpr double cell_m = 0.4e-3;
 constexpr double min_tare_samples = 5.0;
-constexpr int saturated_after = 5;  // equal readings in a row at the largest force seen
 
 double slope_between(const PressSegment& a, const PressSegment& b) noexcept {
   const double dt_s = b.time_s - a.time_s;
@@ -25,7 +26,8 @@ double slope_between(const PressSegment& a, const PressSegment& b) noexcept {
 
 }  // namespace
 
-PressSegments::PressSegments(const SegmentOptions& options) noexcept : options_(options) {}
+PressSegments::PressSegments(const SegmentOptions& options) noexcept
+    : options_(options), range_(options.force_noise_n) {}
 
 double PressSegments::tare_n() const noexcept {
   // A force offset of 0.3 N would otherwise cost up to 14 % of alpha.
@@ -43,63 +45,42 @@ void PressSegments::add(double time_s, const Press& sample) noexcept {
     return;
   if (std::abs(sample.depth_m) > 1.0 || std::abs(sample.force_n) > 1e4) return;
   if (started_ && !(time_s > last_time_s_)) return;
-  if (started_ && time_s - last_time_s_ > max_gap_s) {
+  const double step_s = started_ ? time_s - last_time_s_ : 0.0;
+  ++steps_;
+  if (step_s > max_gap_s) {
+    ++gaps_;
     close_block();
     open_ = false;
-    history_size_ = 0;
+    positions_.clear();
     recent_size_ = 0;
+    gap_ = true;
   }
   started_ = true;
   last_time_s_ = time_s;
-  history_[history_next_] = {time_s, sample.depth_m};
-  history_next_ = (history_next_ + 1) % history_.size();
-  history_size_ = std::min(history_size_ + 1, history_.size());
-  if (saturated(sample.force_n)) return;
-
-  const double position_m = delayed_position(time_s - options_.force_delay_s);
-  if (block_.samples == 0.0) block_start_s_ = time_s;
+  positions_.keep(time_s, sample.depth_m);
+  const double position_m = positions_.at(time_s - options_.force_delay_s);
+  const bool saturated = range_.saturated(time_s, position_m, sample.force_n);
+  if (saturated != block_.saturated) close_block();
+  if (block_.samples == 0.0) {
+    block_start_s_ = time_s;
+    block_.saturated = saturated;
+    block_.after_gap = std::exchange(gap_, false);
+  }
   block_.time_s += time_s - block_start_s_;
   block_.position_m += position_m;
   block_.force_n += sample.force_n;
   block_.samples += 1.0;
-  if (block_.samples >= 5.0 || time_s - block_start_s_ >= block_s) close_block();
-}
-
-double PressSegments::delayed_position(double time_s) const noexcept {
-  const std::size_t n = history_.size();
-  std::size_t newer = (history_next_ + n - 1) % n;
-  for (std::size_t i = 1; i < history_size_; ++i) {
-    const std::size_t older = (newer + n - 1) % n;
-    const Timed& a = history_[older];
-    const Timed& b = history_[newer];
-    if (a.time_s <= time_s) {
-      const double share = std::clamp((time_s - a.time_s) / (b.time_s - a.time_s), 0.0, 1.0);
-      return a.position_m + share * (b.position_m - a.position_m);
-    }
-    newer = older;
-  }
-  return history_[newer].position_m;
-}
-
-bool PressSegments::saturated(double force_n) noexcept {
-  // A saturated sensor repeats its largest number while the true force is larger. Just below, noise
-  // decides which samples saturate, so those are dropped too.
-  if (force_n > saturation_n_) saturation_n_ = std::numeric_limits<double>::infinity();
-  same_force_ = force_n == last_force_n_ ? same_force_ + 1 : 1;
-  last_force_n_ = force_n;
-  max_force_n_ = std::max(max_force_n_, force_n);
-  if (same_force_ >= saturated_after && force_n >= max_force_n_ && force_n > min_force_n) {
-    saturation_n_ = force_n;
-  }
-  return force_n > saturation_n_ - 4.0 * options_.force_noise_n;
+  // Where the next sample would come too late for it, the block ends here.
+  if (block_.samples >= 5.0 || time_s + step_s - block_start_s_ >= block_s) close_block();
 }
 
 void PressSegments::close_block() noexcept {
   if (block_.samples == 0.0) return;
   const double n = block_.samples;
-  const Block block = {block_start_s_ + block_.time_s / n, block_.position_m / n,
-                       block_.force_n / n, n};
-  block_ = Sum{};
+  Block block = std::exchange(block_, Sum{});
+  block.time_s = block_start_s_ + block.time_s / n;
+  block.position_m /= n;
+  block.force_n /= n;
   if (options_.tool_mass_kg > 0.0)
     take_inertia_off(block);
   else
@@ -132,9 +113,14 @@ void PressSegments::take_inertia_off(const Block& newest) noexcept {
 
 void PressSegments::accept(const Block& block) noexcept {
   const double n = block.samples, time_s = block.time_s, position_m = block.position_m;
-  if (!touched_) tare(position_m, block.force_n, n);
+  if (!touched_ && !block.saturated) tare(position_m, block.force_n, n);
   const double force_n = block.force_n - tare_n();
-  remember(time_s, force_n);
+  remember(time_s, force_n, block.after_gap);
+  if (block.saturated) {
+    open_ = false;
+    if (in_contact_) follow_press(time_s, force_n);
+    return;
+  }
   const Block felt = {time_s, position_m, force_n, n, block.inertia_n, memory_n_};
   // Force noise must not select samples: the block that shows contact is the last of the air, and
   // contact then holds until the force is clearly gone.
@@ -194,17 +180,19 @@ void PressSegments::follow_press(double time_s, double force_n) noexcept {
   if (force_n <= 0.0 || phase_ == Phase::up) press_ = presses_;
 }
 
-void PressSegments::remember(double time_s, double force_n) noexcept {
-  // Across a dropout nothing is known of the force; most are in the air.
+void PressSegments::remember(double time_s, double force_n, bool after_gap) noexcept {
+  // Across a long dropout nothing is known of the force; most are in the air.
   const double dt_s = time_s - remembered_s_;
-  const double lasting_n = dt_s > max_gap_s ? 0.0 : force_n;
+  const bool unknown = after_gap && (!in_contact_ || dt_s > max_bridge_s);
+  const double lasting_n = unknown || !std::isfinite(dt_s) ? 0.0 : force_n;
   remembered_s_ = time_s;
   for (std::size_t i = 0; i < memory_s.size(); ++i)
     memory_n_[i] = lasting_n + std::exp(-dt_s / memory_s[i]) * (memory_n_[i] - lasting_n);
 }
 
 void PressSegments::append(const Block& block) noexcept {
-  const auto& [time_s, position_m, force_n, samples, inertia_n, memory_n] = block;
+  const auto& [time_s, position_m, force_n, samples, inertia_n, memory_n, saturated, after_gap] =
+      block;
   ++blocks_;
   const double root = std::sqrt(std::max(0.0, force_n));
   const double noise_n = options_.force_noise_n / std::sqrt(samples);
@@ -243,7 +231,8 @@ void PressSegments::append(const Block& block) noexcept {
 }
 
 void PressSegments::remember_air(const Block& block) noexcept {
-  const auto& [time_s, position_m, force_n, samples, inertia_n, memory_n] = block;
+  const auto& [time_s, position_m, force_n, samples, inertia_n, memory_n, saturated, after_gap] =
+      block;
   if (air_size_ > 0) {
     PressSegment& last = air_[air_size_ - 1];
     if (std::abs(position_m - last.position_m) < 0.5 * cell_m && last.samples < 100.0) {

@@ -7,6 +7,8 @@
 #include <limits>
 
 #include "tuina/core/contact.hpp"
+#include "tuina/tissue/force_range.hpp"
+#include "tuina/tissue/position_delay.hpp"
 
 namespace tuina::tissue {
 
@@ -43,7 +45,8 @@ struct SegmentOptions {
 
 /// Compresses samples into segments: delays the position to match the force, tares the force before
 /// the first contact, subtracts the tool's inertia, averages, and counts presses. Drops samples
-/// that are non-finite, out of order or saturated. No heap.
+/// that are non-finite or out of order; of saturated ones only what the tissue remembers counts. No
+/// heap.
 class PressSegments {
  public:
   static constexpr std::size_t capacity = 512;
@@ -77,6 +80,8 @@ class PressSegments {
   [[nodiscard]] double first_contact_s() const noexcept { return first_contact_s_; }
   /// Whether there was contact since the start.
   [[nodiscard]] bool ever_touched() const noexcept { return touched_; }
+  /// Whether most samples come too late for what the tissue remembers to be known between them.
+  [[nodiscard]] bool too_slow() const noexcept { return 2 * gaps_ > steps_; }
   [[nodiscard]] double now_s() const noexcept { return last_time_s_; }
   [[nodiscard]] double tare_n() const noexcept;
   [[nodiscard]] double tare_sd_n()
@@ -89,26 +94,21 @@ class PressSegments {
   struct Sum {
     double time_s = 0.0, position_m = 0.0, force_n = 0.0, samples = 0.0, inertia_n = 0.0;
     Memory memory_n = {};
+    bool saturated = false, after_gap = false;
   };
   using Block = Sum;  // means instead of sums
 
-  [[nodiscard]] double delayed_position(double time_s) const noexcept;
-  [[nodiscard]] bool saturated(double force_n) noexcept;
   void close_block() noexcept;
   void take_inertia_off(const Block& newest) noexcept;
   void accept(const Block& block) noexcept;
   void tare(double position_m, double force_n, double samples) noexcept;
   void follow_press(double time_s, double force_n) noexcept;
-  void remember(double time_s, double force_n) noexcept;
+  void remember(double time_s, double force_n, bool after_gap) noexcept;
   void append(const Block& block) noexcept;
   void push_air() noexcept;
   void remember_air(const Block& block) noexcept;
   static void join(PressSegment& segment, const Block& block) noexcept;
   void push(const PressSegment& segment) noexcept;
-
-  struct Timed {
-    double time_s = 0.0, position_m = 0.0;
-  };
 
   SegmentOptions options_;
   std::array<PressSegment, capacity> segments_{};
@@ -121,8 +121,7 @@ class PressSegments {
   std::array<PressSegment, 8> air_{};  // the last stretches before contact
   std::size_t air_size_ = 0;
 
-  std::array<Timed, 64> history_{};  // positions of the last samples, for the delay
-  std::size_t history_size_ = 0, history_next_ = 0;
+  PositionDelay positions_;
 
   std::array<Block, 5> recent_{};  // the middle one waits until its acceleration is known
   std::size_t recent_size_ = 0;
@@ -131,10 +130,9 @@ class PressSegments {
   double block_start_s_ = 0.0;
   Sum free_air_;
   bool tare_begun_ = false, began_near_ = false;
-  double last_time_s_ = 0.0, last_force_n_ = 0.0, max_force_n_ = 0.0;
-  double saturation_n_ = std::numeric_limits<double>::infinity();
-  int same_force_ = 0;
-  bool started_ = false, touched_ = false;
+  double last_time_s_ = 0.0;
+  ForceRange range_;
+  bool started_ = false, touched_ = false, gap_ = false;
   double first_contact_s_ = 0.0, last_accepted_s_ = 0.0;
 
   bool in_contact_ = false;
@@ -143,7 +141,7 @@ class PressSegments {
   double peak_n_ = 0.0, valley_n_ = 0.0, peak_ever_n_ = 0.0;
   int presses_ = 0;
   int press_ = 0;  // that of now: a press goes on until the skin is left or the next one rises
-  long blocks_ = 0;
+  long blocks_ = 0, steps_ = 0, gaps_ = 0;
   Memory memory_n_ = {};
   double remembered_s_ = -std::numeric_limits<double>::infinity();
 };
