@@ -53,7 +53,8 @@ class TissueFit final : public Verb {
     constexpr double nearly = 0.99;
     const bool at_limit = fit->tissue.beta_per_m < tissue::min_beta_per_m / nearly ||
                           fit->tissue.beta_per_m > nearly * tissue::max_beta_per_m;
-    json["at_limit"] = at_limit;
+    const bool follows_law = fit->reduced_chi_square <= tissue::max_chi_square;
+    json.update({{"at_limit", at_limit}, {"settled", fit->settled}, {"follows_law", follows_law}});
     Answer answer{.json = json.dump(2)};
     answer.text = fmt::format(
         "F = {:.3f} N tan({:.4f}/mm x)\n  alpha {:.3f} +- {:.3f} N, beta {:.4f} +- {:.4f} /mm, "
@@ -68,6 +69,18 @@ class TissueFit final : public Verb {
     } else if (fit->alpha_ci95_n > 0.2 * fit->tissue.alpha_n) {
       answer.text +=
           "\n  The press was too light to tell alpha from beta; press to two or three times alpha.";
+    }
+    if (!fit->settled) {
+      answer.text +=
+          "\n  The search was cut off on its way: what it found is not the best there is. A record "
+          "that begins above the skin is found sooner.";
+    }
+    if (!follows_law) {
+      answer.text += fmt::format(
+          "\n  The record does not keep to this law within its noise (chi {:.1f}, up to {:.0f} is "
+          "usual), so the intervals say too little: the person breathes, or the tissue relaxes. "
+          "`tuina tissue estimate` reckons with both.",
+          fit->reduced_chi_square, tissue::max_chi_square);
     }
     return answer;
   }

@@ -20,6 +20,7 @@ constexpr std::size_t max_samples = 30000;  // fitted in half a second
 constexpr double min_touch_n = 1.0;
 constexpr double steepest_angle = tangent_limit * pi / 2.0;
 constexpr double robust_limit = 4.0;
+constexpr int first_steps = 60, best_steps = 1000;  // from each start, and from the best of them
 
 struct Foot {
   double residual;      // signed distance to the curve, in standard deviations
@@ -84,15 +85,16 @@ Parameters within_reason(Parameters p) {
 struct Solution {
   Parameters at;
   Linearised sum;
+  bool settled = false;
 };
 
-/// Levenberg-Marquardt from one start.
+/// Levenberg-Marquardt from one start, so many steps at most.
 Solution descend(std::span<const TimedPress> record, const SensorNoise& noise,
-                 const Parameters& start) {
+                 const Parameters& start, int max_steps) {
   Solution best{within_reason(start), {}};
   best.sum = linearise(record, best.at, noise);
   double damping = 1e-3;
-  for (int i = 0; i < 60; ++i) {
+  for (int i = 0; i < max_steps && !best.settled; ++i) {
     Normal damped = best.sum.information;
     damped.diagonal() *= 1.0 + damping;
     damped.diagonal().array() += 1e-12;
@@ -101,13 +103,11 @@ Solution descend(std::span<const TimedPress> record, const SensorNoise& noise,
     const Parameters to = within_reason(best.at + step);
     const Linearised there = linearise(record, to, noise);
     if (there.cost < best.sum.cost) {
-      const bool settled = best.sum.cost - there.cost < 1e-9 * best.sum.cost;
-      best = {to, there};
+      best = {to, there, best.sum.cost - there.cost < 1e-9 * best.sum.cost};
       damping = std::max(1e-9, damping * 0.2);
-      if (settled) break;
     } else {
       damping *= 8.0;
-      if (damping > 1e9) break;
+      best.settled = damping > 1e9;
     }
   }
   return best;
@@ -189,10 +189,13 @@ Result<CurveFit> fit_curve(std::span<const TimedPress> raw, const SensorNoise& n
     const double span_m = std::max(deepest_m - first_m, 2e-5);
     const double beta = (std::atan(peak_n / alpha) - std::atan(touching_n / alpha)) / span_m;
     const double contact_m = first_m - std::atan(touching_n / alpha) / beta;
-    const Solution found =
-        descend(record, noise, Parameters(std::log(alpha), std::log(beta), contact_m, air_n));
+    const Solution found = descend(
+        record, noise, Parameters(std::log(alpha), std::log(beta), contact_m, air_n), first_steps);
     if (!best || found.sum.cost < best->sum.cost) best = found;
   }
+  // A record without free air has a long flat valley, where alpha and the zero of the force hardly
+  // differ in what they do.
+  if (!best->settled) best = descend(record, noise, best->at, best_steps);
 
   CurveFit fit;
   fit.tissue = {std::exp(best->at(0)), std::exp(best->at(1))};
@@ -200,6 +203,7 @@ Result<CurveFit> fit_curve(std::span<const TimedPress> raw, const SensorNoise& n
   fit.offset_n = best->at(3);
   fit.peak_force_n = peak_n;
   fit.samples = static_cast<int>(record.size());
+  fit.settled = best->settled;
   std::vector<double> residuals;
   double squares = 0.0, count = 0.0;
   for (const TimedPress& s : record) {

@@ -33,6 +33,30 @@ double noise_at(std::span<const TimedPress> record, std::size_t stride, Value va
   return 1.4826 * *middle;
 }
 
+/// Step between the readings of a coarse sensor; 0 if they are no multiples of one.
+template <typename Value>
+double step_of(std::span<const TimedPress> record, Value value) {
+  constexpr double rounded = 1e-3;
+  double step = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 1; i < record.size(); ++i) {
+    const double change = std::abs(value(record[i]) - value(record[i - 1]));
+    if (change > 0.0) step = std::min(step, change);
+  }
+  for (std::size_t i = 1; i < record.size(); ++i) {
+    const double steps = (value(record[i]) - value(record[i - 1])) / step;
+    if (!(std::abs(steps - std::round(steps)) < rounded)) return 0.0;
+  }
+  return std::isfinite(step) ? step : 0.0;
+}
+
+/// Noise of one signal, at least what rounding alone makes.
+template <typename Value>
+double noise_of(std::span<const TimedPress> record, double min_noise, Value value) {
+  // A sensor's low-pass correlates neighbours, so farther ones are compared too.
+  return std::max({noise_at(record, 1, value), noise_at(record, 3, value),
+                   step_of(record, value) / std::sqrt(12.0), min_noise});
+}
+
 /// Mean force of the rows between two shares of the way, in newtons; NaN without such rows.
 double mean_force_n(std::span<const TimedPress> record, double from_m, double to_m) {
   double sum_n = 0.0, count = 0.0;
@@ -138,11 +162,8 @@ std::string fault_of_next(std::span<const TimedPress> record, std::span<const Ti
 SensorNoise estimate_noise(std::span<const TimedPress> record) {
   const auto force = [](const TimedPress& s) { return s.press.force_n; };
   const auto position = [](const TimedPress& s) { return s.press.depth_m; };
-  // A sensor's low-pass correlates neighbours, so farther ones are compared too.
-  return {.force_n =
-              std::max({noise_at(record, 1, force), noise_at(record, 3, force), min_force_noise_n}),
-          .position_m = std::max({noise_at(record, 1, position), noise_at(record, 3, position),
-                                  min_position_noise_m})};
+  return {.force_n = noise_of(record, min_force_noise_n, force),
+          .position_m = noise_of(record, min_position_noise_m, position)};
 }
 
 std::vector<TimedPress> without_saturation(std::span<const TimedPress> record,
