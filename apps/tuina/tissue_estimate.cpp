@@ -42,7 +42,7 @@ struct Wanted {
 struct Estimated {
   TissueEstimate last;
   double nis = 1.0;
-  bool too_slow = false;
+  bool too_slow = false, zero_known = true, skin_as_told = true;
   tissue::SensorNoise noise = {};
   std::string trace = trace_header;
   std::vector<TimedEstimate> history = {};
@@ -52,6 +52,25 @@ struct Estimated {
     if (wanted.history) history.push_back({time_s, estimate});
   }
 };
+
+/// What keeps a record from converging however long it is, each in a line of its own.
+std::string why_never_converged(const Estimated& result) {
+  std::string text;
+  if (result.too_slow)
+    text +=
+        "\nMost rows lie more than 0.05 s apart, too far to tell how the tissue relaxes: such a "
+        "record never converges; `tuina tissue fit` takes it.";
+  if (!result.zero_known)
+    text +=
+        "\nThe record shows no free air before its first contact, so the zero of the force is not "
+        "known, and it never converges. If the sensor was tared, say how well: --force-zero-sd-n "
+        "0.1.";
+  if (!result.skin_as_told)
+    text +=
+        "\nThe first contact is far from position 0, where the skin was told to be, so the record "
+        "never converges. Say how far off the skin may be: --contact-sd-mm 50.";
+  return text;
+}
 
 /// CSV of the forces that a later press is going to meet.
 Result<std::string> predicted_csv(const tissue::RecordEstimate& made,
@@ -147,6 +166,12 @@ class TissueEstimateVerb final : public Verb {
     options.add("--contact-sd-mm", contact_sd_mm_, "how well the skin is known to be at position 0")
         .between(0.01, 50.0)
         .show_default();
+    options
+        .add(
+            "--force-zero-sd-n", force_zero_sd_n_,
+            "how well the zero of the force is known where no free air before the contact shows it")
+        .between(0.001, 100.0)
+        .show_default();
     options.add("--force-delay-ms", force_delay_ms_, "of the force against the position")
         .between(0.0, 50.0)
         .show_default();
@@ -164,6 +189,7 @@ class TissueEstimateVerb final : public Verb {
     if (ours) {
       made = tissue::estimate_record(*record,
                                      {.contact_sd_m = from_mm(contact_sd_mm_),
+                                      .untared_sd_n = force_zero_sd_n_,
                                       .force_delay_s = force_delay_ms_ * 1e-3,
                                       .torso_n_per_m = torso_n_per_mm_.value_or(0.0) * 1e3,
                                       .breathing_m = from_mm(breathing_mm_)},
@@ -174,6 +200,8 @@ class TissueEstimateVerb final : public Verb {
       result.last = made->estimator.estimate();
       result.nis = made->estimator.nis();
       result.too_slow = made->estimator.too_slow();
+      result.zero_known = made->estimator.zero_known();
+      result.skin_as_told = made->estimator.skin_as_told();
       result.noise = made->noise;
     } else {
       result =
@@ -240,10 +268,7 @@ class TissueEstimateVerb final : public Verb {
       answer.text +=
           "; no press is in the record, so these are only assumed: is the position in mm, larger "
           "where deeper, and the force out of the skin?";
-    if (result.too_slow)
-      answer.text +=
-          "\nMost rows lie more than 0.05 s apart, too far to tell how the tissue relaxes: such a "
-          "record never converges; `tuina tissue fit` takes it.";
+    if (e.presses > 0) answer.text += why_never_converged(result);
     // A body that gives way beneath is felt as softer tissue, and no record tells the two apart.
     if (e.presses > 0 && ours && !torso_n_per_mm_)
       answer.text +=
@@ -258,6 +283,7 @@ class TissueEstimateVerb final : public Verb {
   std::optional<double> torso_n_per_mm_, true_alpha_n_, true_beta_per_mm_;
   double breathing_mm_ = to_mm(tissue::record_options().breathing_m);
   double contact_sd_mm_ = to_mm(tissue::record_options().contact_sd_m);
+  double force_zero_sd_n_ = tissue::record_options().untared_sd_n;
   double force_delay_ms_ = 0.0;
 };
 

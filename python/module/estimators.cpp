@@ -56,6 +56,8 @@ void add_options(py::module_& module) {
   add("force_noise_n", &Options::force_noise_n, "One standard deviation of one sample, N.");
   add("position_noise_m", &Options::position_noise_m, "One standard deviation of one sample, m.");
   add("contact_sd_m", &Options::contact_sd_m, "Standard deviation of the skin about 0, m.");
+  add("untared_sd_n", &Options::untared_sd_n,
+      "Standard deviation of the zero of the force where no free air shows it, N.");
   add("force_delay_s", &Options::force_delay_s, "Delay of the force against the position, s.");
   add("timing_sd_s", &Options::timing_sd_s, "Standard deviation of that delay, s.");
   add("tool_mass_kg", &Options::tool_mass_kg, "Mass beyond the force sensor, kg.");

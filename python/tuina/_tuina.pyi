@@ -245,6 +245,7 @@ class EstimatorOptions:
         force_noise_n: float = ...,
         position_noise_m: float = ...,
         contact_sd_m: float = ...,
+        untared_sd_n: float = ...,
         force_delay_s: float = ...,
         timing_sd_s: float = ...,
         tool_mass_kg: float = ...,
@@ -257,6 +258,7 @@ class EstimatorOptions:
     force_noise_n: float
     position_noise_m: float
     contact_sd_m: float
+    untared_sd_n: float
     force_delay_s: float
     timing_sd_s: float
     tool_mass_kg: float

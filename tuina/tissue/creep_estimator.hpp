@@ -64,6 +64,12 @@ class CreepEstimator {
   [[nodiscard]] bool surprised() const noexcept { return seen_presses_ >= 2 && !as_told_; }
   /// True where most samples lie more than 50 ms apart: nothing converges then.
   [[nodiscard]] bool too_slow() const noexcept { return segments_.too_slow(); }
+  /// False where neither free air before the first contact nor the caller tells the zero of the
+  /// force: nothing converges then.
+  [[nodiscard]] bool zero_known() const noexcept;
+  /// False where the skin was found further from 0 than five standard deviations of what the caller
+  /// knows of it: nothing converges then.
+  [[nodiscard]] bool skin_as_told() const noexcept;
   /// Forgets the person but not the options.
   void reset() noexcept;
   /// Keeps of the presses so far what people have much alike all over, such as how their tissue

@@ -12,9 +12,9 @@
 namespace tuina::tissue {
 namespace {
 
-constexpr double untared_sd_n = 0.3;     // offset of a sensor never seen in free air
 constexpr double tare_sd_n = 0.02;       // drift of the offset since the tare
 constexpr double drift_n = 0.02;         // random walk of the offset in a second
+constexpr double max_drift_n = 0.3;      // between two segments
 constexpr double sensor_floor_n = 0.06;  // hysteresis and crosstalk stay when noise is averaged
 constexpr double kept_evidence = 0.6;    // from press to press: people change
 constexpr double thinner_share = 0.5;    // of the differences in alpha between places, for beta
@@ -78,7 +78,7 @@ CreepFilter::CreepFilter(const PressEstimatorOptions& options,
   sd(first_press) = hypothesis.first_press_sd;
   sd(damping) = options.damping_sd_s_per_m;
   sd(change) = hypothesis.changing_sd;
-  sd(offset) = untared_sd_n;
+  sd(offset) = options.untared_sd_n;
   sd(skin) = options.contact_sd_m;
   sd(breath) = hypothesis.breathing_m / std::sqrt(8.0);
   sd(breath_speed) = sd(breath) * 2.0 * pi * options.breathing_hz;
@@ -128,7 +128,7 @@ void CreepFilter::predict(Belief& belief, double time_s) const noexcept {
   Covariance& P = belief.covariance;
   // Bounded, so that an hour of hovering does not inflate what is known.
   P(skin, skin) += std::min(square(wander_m_) * dt_s, square(options_.contact_sd_m));
-  P(offset, offset) += std::min(square(drift_n) * dt_s, square(untared_sd_n));
+  P(offset, offset) += std::min(square(drift_n) * dt_s, square(max_drift_n));
   const double kept = std::exp(-dt_s / change_s);
   belief.mean(change) *= kept;
   P.row(change) *= kept;
@@ -224,7 +224,7 @@ void CreepFilter::fuse(Belief& belief, const State& H, double innovation, double
 
 void CreepFilter::begin_pass(double sd_n) noexcept {
   // Only the first contact's prior knows the tare; later ones have it from the segments.
-  if (prior_.time_s == never_s && sd_n < untared_sd_n)
+  if (prior_.time_s == never_s && sd_n < options_.untared_sd_n)
     prior_.covariance(offset, offset) = square(sd_n) + square(tare_sd_n);
   pass_ = prior_;
 }

@@ -24,6 +24,8 @@ constexpr double unexplained_share = 0.035;
 // tangent by half of the squared logarithm of how much stronger a press is, as the logarithm of
 // its force.
 constexpr double parting = 0.65;
+// The softest of layers give way by less before a contact shows.
+constexpr double touched_after_m = 5e-3;
 constexpr double max_force_n = 300.0;  // beyond any press; near its pole the law says anything
 
 constexpr double square(double x) {
@@ -160,9 +162,24 @@ void CreepEstimator::judge_press() noexcept {
   decide_convergence();
 }
 
+bool CreepEstimator::zero_known() const noexcept {
+  // Free air between two presses shows it as well.
+  constexpr double max_sd_n = 0.3, max_found_sd_n = 0.1;
+  if (std::min(segments_.tare_sd_n(), options_.untared_sd_n) <= max_sd_n) return true;
+  const double variance =
+      filters_[leader_].now().covariance(CreepFilter::offset, CreepFilter::offset);
+  return variance <= square(max_found_sd_n);
+}
+
+bool CreepEstimator::skin_as_told() const noexcept {
+  constexpr double max_sd = 5.0;
+  return std::abs(segments_.first_contact_m()) <= max_sd * options_.contact_sd_m + touched_after_m;
+}
+
 void CreepEstimator::decide_convergence() noexcept {
   const bool was = estimate_.converged;
-  estimate_.converged = as_told_ && !too_slow() && nis_ <= max_nis &&
+  const bool as_assumed = !too_slow() && zero_known() && skin_as_told();
+  estimate_.converged = as_told_ && as_assumed && nis_ <= max_nis &&
                         force_half_width(strongest_.force_n) <= well_foretold_share;
   if (!estimate_.converged)
     estimate_.converged_after_s = -1.0;

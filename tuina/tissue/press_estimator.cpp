@@ -21,7 +21,6 @@ constexpr double forgetting_sd = 0.005;  // added to that of the logarithms per 
 // An interval that just fits would be wrong for one estimate in twenty, so 98 % is required.
 constexpr double sureness = 2.33 / 1.96;
 constexpr double max_step = 0.5, min_step = 0.02, settled_step = 0.05;  // of logarithms
-constexpr double untared_sd_n = 0.3;     // offset of a sensor never seen in free air
 constexpr double tare_sd_n = 0.02;       // drift of the offset since the tare
 constexpr double unknown_inertia = 0.3;  // error share of the compensated tool inertia
 constexpr double robust_limit = 4.0;     // Huber threshold, in standard deviations
@@ -74,7 +73,7 @@ void PressEstimator::reset() noexcept {
   prior_.covariance.setZero();
   prior_.covariance.diagonal() << square(options_.expected_alpha_sd),
       square(options_.expected_beta_sd), square(options_.damping_sd_s_per_m),
-      square(options_.torso_sd * torso_m_per_n), square(untared_sd_n),
+      square(options_.torso_sd * torso_m_per_n), square(options_.untared_sd_n),
       square(options_.contact_sd_m), breath_variance,
       breath_variance * square(2.0 * pi * options_.breathing_hz);
   prior_.time_s = -1e9;
@@ -109,7 +108,7 @@ void PressEstimator::update(double time_s, const Press& sample) noexcept {
 }
 
 void PressEstimator::begin_pass() noexcept {
-  if (idle_passes_ == 0 && seen_blocks_ == 0 && segments_.tare_sd_n() < untared_sd_n) {
+  if (idle_passes_ == 0 && seen_blocks_ == 0 && segments_.tare_sd_n() < options_.untared_sd_n) {
     prior_.covariance(offset, offset) =
         segments_.tare_sd_n() * segments_.tare_sd_n() + tare_sd_n * tare_sd_n;
   }

@@ -15,6 +15,7 @@ struct PressEstimatorOptions {
   double force_noise_n = 0.2;  ///< one standard deviation of one sample
   double position_noise_m = 0.05e-3;
   double contact_sd_m = 0.5e-3;  ///< standard deviation of the skin position about 0
+  double untared_sd_n = 0.3;     ///< of the zero of the force, without free air to see it in
   double force_delay_s = 0.0;    ///< delay of the force sensor against the position
   double timing_sd_s = 0.0;      ///< standard deviation of that delay
   double tool_mass_kg = 0.0;     ///< mass beyond the force sensor, whose inertia it measures

@@ -134,7 +134,10 @@ void PressSegments::accept(const Block& block) noexcept {
   }
   if (!in_contact_) return;
   if (!was_in_contact) push_air();
-  if (!touched_) first_contact_s_ = time_s;
+  if (!touched_) {
+    first_contact_s_ = time_s;
+    first_contact_m_ = position_m;
+  }
   touched_ = true;
   if (was_in_contact) append(felt);
 }

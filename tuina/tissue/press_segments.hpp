@@ -78,6 +78,8 @@ class PressSegments {
   [[nodiscard]] int presses() const noexcept { return presses_; }  ///< completed presses
   [[nodiscard]] double peak_force_n() const noexcept { return peak_ever_n_; }
   [[nodiscard]] double first_contact_s() const noexcept { return first_contact_s_; }
+  /// Where that was.
+  [[nodiscard]] double first_contact_m() const noexcept { return first_contact_m_; }
   /// Whether there was contact since the start.
   [[nodiscard]] bool ever_touched() const noexcept { return touched_; }
   /// Whether most samples come too late for what the tissue remembers to be known between them.
@@ -133,7 +135,7 @@ class PressSegments {
   double last_time_s_ = 0.0;
   ForceRange range_;
   bool started_ = false, touched_ = false, gap_ = false;
-  double first_contact_s_ = 0.0, last_accepted_s_ = 0.0;
+  double first_contact_s_ = 0.0, first_contact_m_ = 0.0, last_accepted_s_ = 0.0;
 
   bool in_contact_ = false;
   enum class Phase : std::uint8_t { rest, up, down } phase_ = Phase::rest;

@@ -15,9 +15,10 @@ struct RecordEstimate {
   SensorNoise noise;                            ///< as known, else as the record shows it
 };
 
-/// Prior for a record that somebody else has made: its zero is the skin within a millimetre.
+/// Prior for a record that somebody else has made: its zero is the skin within a millimetre, and
+/// nothing is known of the zero of a force that begins in contact.
 [[nodiscard]] inline CreepEstimator::Options record_options() noexcept {
-  return {.contact_sd_m = 1e-3};
+  return {.contact_sd_m = 1e-3, .untared_sd_n = 3.0};
 }
 
 /// Called after every sample.
