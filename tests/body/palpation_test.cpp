@@ -2,8 +2,10 @@
 #include "tuina/body/palpation.hpp"
 
 #include <doctest/doctest.h>
+#include <fmt/format.h>
 
 #include <algorithm>
+#include <tuple>
 
 #include "apps/simulated/labelled_phantom.hpp"
 #include "tests/reason.hpp"
@@ -119,6 +121,37 @@ TEST_CASE("a sure finger is believed, a doubtful one hardly") {
   };
   CHECK(error_m(0.0) < 1_mm);
   CHECK(error_m(30_mm) > 8_mm);
+}
+
+TEST_CASE("a radius reaches back to where the scan had the point, where a finger contradicts it") {
+  for (const double along_m : {-12_mm, -6_mm, 6_mm, 12_mm}) {
+    const auto after = fixed({finger("BL18_L", along_m)});
+    REQUIRE_MESSAGE(after.has_value(), test::reason(after));
+    for (const Acupoint& before : scene().found.acupoints) {
+      const Acupoint& now = point(*after, before.name);
+      CAPTURE(before.name);
+      CHECK((now.at_in_couch - before.at_in_couch).norm() < now.uncertainty_m);
+    }
+  }
+}
+
+TEST_CASE("a finger on the next vertebra is refused, also where the scan is not sure") {
+  Mapping unsure = scene().found;
+  unsure.covariance_m2 *= 4.0;
+  for (const auto& [name, instead, side] :
+       {std::tuple("GV3", "GV4", "above"), std::tuple("BL21_R", "BL20_R", "above"),
+        std::tuple("BL20_L", "BL21_L", "below")}) {
+    CAPTURE(std::string(name));
+    PalpatedPoint miscounted = finger(instead, 0.0);
+    miscounted.name = name;
+    const std::string message =
+        test::reason(fix_points(unsure, scene().back, std::vector{miscounted}));
+    INFO(message);
+    CHECK(message.find(fmt::format("the next vertebra {} is", side)) != std::string::npos);
+    // Who is sure of the count says how unsure the place is.
+    miscounted.error_m = 40_mm;
+    CHECK(fix_points(unsure, scene().back, std::vector{miscounted}).has_value());
+  }
 }
 
 TEST_CASE("points fixed one after the other are as if fixed at once") {

@@ -20,6 +20,10 @@ using Eigen::VectorXd;
 constexpr double max_off_skin_m = 20_mm;
 // 99.9 % quantile of chi-squared with two degrees of freedom: the directions of the skin.
 constexpr double max_mahalanobis2 = 13.8;
+// A miscounted vertebra, the usual error of palpation: how often the finger is assumed one too high
+// and one too low, and how much distances of vertebrae differ from their mean.
+constexpr double miscounted = 0.1;
+constexpr double vertebrae_differ = 0.2;
 
 // What a scan leaves open is where along the spine a level lies, alike on both sides of it; across
 // the spine the skin shows more. Variances relative to that along the spine, and lengths over which
@@ -41,12 +45,26 @@ struct Belief {
   std::vector<std::string> names;
   VectorXd at_in_couch;
   MatrixXd covariance_m2;
+  Vector3 vertebra_up = Vector3::Zero();  ///< from a vertebra to the next one
 };
+
+/// From a vertebra to the next one above it, as the mean of five: BL47 lies beside the hollow below
+/// T9, GV4 in the one below L2. Zero without these points.
+Vector3 vertebra_up(const Mapping& mapping) {
+  const auto place = [&](std::string_view name) {
+    const auto found = std::ranges::find(mapping.acupoints, name, &Acupoint::name);
+    return found == mapping.acupoints.end() ? nullptr : &found->at_in_couch;
+  };
+  const Vector3 *left = place("BL47_L"), *right = place("BL47_R"), *below = place("GV4");
+  if (left == nullptr || right == nullptr || below == nullptr) return Vector3::Zero();
+  return (0.5 * (*left + *right) - *below) / 5.0;
+}
 
 Belief belief_of(const Mapping& mapping) {
   Belief belief{.names = {},
                 .at_in_couch = VectorXd(mapping.covariance_m2.rows()),
-                .covariance_m2 = mapping.covariance_m2};
+                .covariance_m2 = mapping.covariance_m2,
+                .vertebra_up = vertebra_up(mapping)};
   const auto add = [&](const std::string& name, const Vector3& at) {
     belief.at_in_couch.segment<3>(3 * static_cast<Index>(belief.names.size())) = at;
     belief.names.push_back(name);
@@ -54,6 +72,35 @@ Belief belief_of(const Mapping& mapping) {
   for (const Acupoint& point : mapping.acupoints) add(point.name, point.at_in_couch);
   for (const Landmark& landmark : mapping.landmarks) add(landmark.name, landmark.at_in_couch);
   return belief;
+}
+
+double density(const Eigen::Matrix2d& spread, const Vector2& off) {
+  return std::exp(-0.5 * off.dot(spread.inverse() * off)) / std::sqrt(spread.determinant());
+}
+
+/// Refuses a finger that the scan excludes, or whose place a miscounted vertebra explains better.
+Result<void> check_surprise(const PalpatedPoint& point, const Vector2& surprise,
+                            const Eigen::Matrix2d& spread, const Vector2& vertebra_up) {
+  const double mahalanobis2 = surprise.dot(spread.inverse() * surprise);
+  if (!(mahalanobis2 <= max_mahalanobis2)) {
+    return fail(
+        Fault::bad_input,
+        "{} is fixed {:.0f} mm from where this back has it, which is {:.1f} times as far as "
+        "can be; is it another point, or the other side?",
+        point.name, to_mm(surprise.norm()), std::sqrt(mahalanobis2 / max_mahalanobis2));
+  }
+  const Eigen::Matrix2d wider =
+      spread + vertebrae_differ * vertebrae_differ * vertebra_up * vertebra_up.transpose();
+  const double right = (1.0 - 2.0 * miscounted) * density(spread, surprise);
+  const double above = miscounted * density(wider, surprise - vertebra_up);
+  const double below = miscounted * density(wider, surprise + vertebra_up);
+  if (above + below <= right) return {};
+  return fail(
+      Fault::bad_input,
+      "{} is fixed {:.0f} mm from where this back has it; the next vertebra {} is {:.0f} mm away "
+      "and likelier: count again, or state a larger error of the finger",
+      point.name, to_mm(surprise.norm()), above > below ? "above" : "below",
+      to_mm(vertebra_up.norm()));
 }
 
 /// The Kalman update by one point. The finger tells where on the skin the point is, not how deep.
@@ -74,19 +121,18 @@ Result<void> update(Belief& belief, const BackSurface& back, const PalpatedPoint
   const MatrixXd seen = belief.covariance_m2.middleCols<3>(i) * along;
   const Eigen::Matrix2d spread = along.transpose() * seen.middleRows<3>(i) +
                                  point.error_m * point.error_m * Eigen::Matrix2d::Identity();
-  const Vector3 off = skin.at_in_couch - belief.at_in_couch.segment<3>(i);
-  const Vector2 surprise = along.transpose() * off;
+  const Vector2 surprise =
+      along.transpose() * (skin.at_in_couch - belief.at_in_couch.segment<3>(i));
+  if (auto good = check_surprise(point, surprise, spread, along.transpose() * belief.vertebra_up);
+      !good)
+    return good;
   const Eigen::Matrix2d information = spread.inverse();
-  const double mahalanobis2 = surprise.dot(information * surprise);
-  if (!(mahalanobis2 <= max_mahalanobis2)) {
-    return fail(
-        Fault::bad_input,
-        "{} is fixed {:.0f} mm from where this back has it, which is {:.1f} times as far as "
-        "can be; is it another point, or the other side?",
-        point.name, to_mm(off.norm()), std::sqrt(mahalanobis2 / max_mahalanobis2));
-  }
-  belief.at_in_couch += seen * (information * surprise);
+  const VectorXd moved = seen * (information * surprise);
+  belief.at_in_couch += moved;
   belief.covariance_m2 -= seen * information * seen.transpose();
+  belief.covariance_m2 *= std::max(1.0, surprise.dot(information * surprise) / 2.0);
+  // Finger and scan contradict each other by what moves, and which of them errs nobody knows.
+  belief.covariance_m2 += moved * moved.transpose();
   return {};
 }
 

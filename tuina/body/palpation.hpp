@@ -12,9 +12,11 @@ namespace tuina::body {
 
 /// Brings the palpated points into a mapping: all points are one Gaussian given the scan, and each
 /// palpated place is a measurement of it, as in a Kalman filter. The other points follow, stay on
-/// the skin, and their uncertainty shrinks; a palpated point itself ends between the finger and the
-/// scan, weighted by their errors. May be called again with further points. Fails when a name is
-/// unknown, a place is off the skin, or the scan and the points before it exclude it.
+/// the skin, and their uncertainty shrinks where finger and scan agree; where they do not, it
+/// reaches back to the place that the scan had. A palpated point itself ends between the finger and
+/// the scan, weighted by their errors. May be called again with further points. Fails when a name
+/// is unknown, a place is off the skin, the scan and the points before it exclude it, or a finger
+/// on the vertebra above or below is likelier.
 [[nodiscard]] Result<Mapping> fix_points(const Mapping& mapping, const BackSurface& back,
                                          std::span<const PalpatedPoint> palpated);
 
