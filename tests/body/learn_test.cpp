@@ -7,6 +7,8 @@
 #include <numeric>
 #include <string>
 
+#include "apps/simulated/labelled_phantom.hpp"
+#include "tests/reason.hpp"
 #include "tuina/body/atlas.hpp"
 #include "tuina/body/correction.hpp"
 #include "tuina/body/learn/shape_statistics.hpp"
@@ -156,6 +158,44 @@ TEST_CASE("a back that was found head to feet spoils no correction, and is no sm
   for (Eigen::Index i = 0; i < 4; ++i) many.targets_mm.col(elsewhere + views * i).array() += 200.0;
   const ShapeModel warned = learned(many, wrong_mm);
   CHECK((warned.radius95_m.array() > 0.1).all());
+}
+
+TEST_CASE("labels that nobody has shown keep their radii, and what the prior says of them") {
+  const auto prior = read_atlas(TUINA_SOURCE_DIR "/models/atlas.tuina");
+  REQUIRE(prior.has_value());
+  const ShapeModel& known = prior->of(BodyPosture::sitting)->shape;
+  std::vector<LabelledBody> people;
+  for (std::uint64_t seed = 1; seed <= 16; ++seed) {
+    people.push_back(app::labelled(sim::make_phantom(sim::draw_phantom(seed), known.position)));
+    people.back().id = std::to_string(seed);
+    people.back().acupoints.resize(seven_acupoints.size());
+    people.back().landmarks.clear();
+  }
+  const auto learned = [&] {
+    auto atlas = learn_atlas(people, &*prior, {}, nullptr);
+    REQUIRE_MESSAGE(atlas.has_value(), test::reason(atlas));
+    return std::move(atlas->positions.front().shape);
+  };
+  const auto shown = [](const std::string& name) {
+    return std::ranges::find(seven_acupoints, name) != seven_acupoints.end();
+  };
+  const ShapeModel of_many = learned();
+  REQUIRE(of_many.labels == known.labels);
+  CHECK((of_many.radius95_m.head<7>().array() < known.radius95_m.head<7>().array()).any());
+  people.resize(6);
+  const ShapeModel of_few = learned();
+  // Stated radii are divided by these, and do not shrink where they stay.
+  CHECK(of_few.nominal_var_m2 == known.nominal_var_m2);
+  CHECK(of_few.usual_residual_m == known.usual_residual_m);
+  for (Index l = 0; l < known.radius95_m.size(); ++l) {
+    const std::string& name = known.labels[static_cast<std::size_t>(l)];
+    CAPTURE(name);
+    CHECK(of_few.radius95_m[l] >= known.radius95_m[l]);
+    if (shown(name)) continue;
+    CHECK(of_many.radius95_m[l] >= known.radius95_m[l]);
+    const Eigen::MatrixXd moved = of_few.correction - known.correction;
+    CHECK(moved.middleRows<3>(3 * l).norm() < 1e-9);
+  }
 }
 
 TEST_CASE("backs come out of their file as they went in") {

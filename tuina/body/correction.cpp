@@ -112,7 +112,13 @@ double quantile95(std::vector<double> values) {
 
 bool lies_elsewhere(const LeftOut& left_out, Index column) {
   const auto off_mm = left_out.targets_mm.col(column).reshaped(3, left_out.targets_mm.rows() / 3);
-  return off_mm.colwise().norm().mean() > elsewhere_mm;
+  double sum_mm = 0.0, labels = 0.0;
+  for (Index l = 0; l < off_mm.cols(); ++l) {
+    if (!left_out.shows(l)) continue;
+    sum_mm += off_mm.col(l).norm();
+    labels += 1.0;
+  }
+  return sum_mm > elsewhere_mm * labels;
 }
 
 /// Columns of the people whose fits found the back, in each view; of all where nobody's did.
@@ -142,6 +148,9 @@ MatrixXd learn_offsets(const LeftOut& left_out, const std::vector<Index>& found,
   if (beside_prior) {
     targets_mm = (targets_mm - model.correction.leftCols(features.rows()) * features).colwise() -
                  model.correction.col(features.rows());
+    for (Index l = 0; l < targets_mm.rows() / 3; ++l) {
+      if (!left_out.shows(l)) targets_mm.middleRows<3>(3 * l).setZero();
+    }
     model.correction += ridge(features, targets_mm, left_out.views, penalties, of_found_mm);
   } else {
     model.correction = ridge(features, targets_mm, left_out.views, penalties, of_found_mm);
@@ -151,17 +160,23 @@ MatrixXd learn_offsets(const LeftOut& left_out, const std::vector<Index>& found,
   return wrong_mm;
 }
 
+/// What a usual back leaves open, by which the radii are divided.
+void learn_normalisers(const LeftOut& left_out, const std::vector<Index>& found,
+                       ShapeModel& model) {
+  model.nominal_var_m2 = left_out.variance_m2(Eigen::all, found).rowwise().mean();
+  const VectorXd residual_m = left_out.residual_m(found);
+  std::vector<double> misfits(residual_m.begin(), residual_m.end());
+  std::nth_element(misfits.begin(), misfits.begin() + misfits.size() / 2, misfits.end());
+  model.usual_residual_m = misfits[misfits.size() / 2];
+}
+
 }  // namespace
 
 MatrixXd learn_correction(const LeftOut& left_out, ShapeModel& model) {
   const Index persons = left_out.features.cols() / left_out.views;
   const std::vector<Index> found = found_backs(left_out);
   MatrixXd wrong_mm = learn_offsets(left_out, found, model);
-  model.nominal_var_m2 = left_out.variance_m2(Eigen::all, found).rowwise().mean();
-  const VectorXd residual_m = left_out.residual_m(found);
-  std::vector<double> misfits(residual_m.begin(), residual_m.end());
-  std::nth_element(misfits.begin(), misfits.begin() + misfits.size() / 2, misfits.end());
-  model.usual_residual_m = misfits[misfits.size() / 2];
+  if (model.nominal_var_m2.size() == 0) learn_normalisers(left_out, found, model);
   model.max_outlier_score =
       std::max(model.max_outlier_score, left_out.outlier_score(found).maxCoeff());
   // The 95 % radius is calibrated on widened radii, as it is used.
@@ -174,6 +189,7 @@ MatrixXd learn_correction(const LeftOut& left_out, ShapeModel& model) {
     }
   }
   for (Index l = 0; l < model.radius95_m.size(); ++l) {
+    if (!left_out.shows(l)) continue;
     // The largest error of a few people underestimates that of the next.
     model.radius95_m[l] = (1.0 + 2.0 / static_cast<double>(persons)) *
                           quantile95(std::move(errors_m[static_cast<std::size_t>(l)]));
@@ -201,6 +217,12 @@ MatrixXd correction_carried(const ShapeModel& prior, const ShapeModel& model) {
         (prior_from_model.linear().transpose() * carried.middleRows<3>(row)).eval();
   }
   return carried;
+}
+
+void carry_radii(const ShapeModel& prior, const LeftOut& left_out, ShapeModel& model) {
+  const VectorXd wider = widening(prior, model.nominal_var_m2, model.usual_residual_m);
+  for (Index l = 0; l < model.radius95_m.size(); ++l)
+    if (!left_out.shows(l)) model.radius95_m[l] = prior.radius95_m[l] * wider[l];
 }
 
 LabelEstimate estimate_labels(const ShapeModel& model, const BackSurface& back) {

@@ -134,6 +134,7 @@ Result<LeftOut> leave_out(const People& people, const ShapeModel& model, std::si
                .residual_m = VectorXd(columns),
                .outlier_score = VectorXd(columns),
                .views = static_cast<Index>(people.views)};
+  for (const std::string& name : people.names.all) left.shown.push_back(people.examples.have(name));
   for (std::size_t fold = 0; fold < folds; ++fold) {
     const Result<ShapeModel> others = others_of(fold);
     if (!others) return tl::unexpected(others.error());
@@ -225,6 +226,7 @@ Result<Learned> learned_shape(const People& people, const LearnOptions& options,
       });
   if (!left) return tl::unexpected(left.error());
   learned.out_of_fold_mm = acupoint_errors(learn_correction(*left, model), names.acupoints);
+  if (prior != nullptr) carry_radii(*prior, *left, model);
   return learned;
 }
 
@@ -245,8 +247,6 @@ Result<Learned> corrected_prior(const People& people, const ShapeModel& prior,
     model.radius95_m = model.radius95_m.cwiseMax(prior.radius95_m);
   } else {
     model.radius95_m = prior.radius95_m;
-    model.nominal_var_m2 = prior.nominal_var_m2;
-    model.usual_residual_m = prior.usual_residual_m;
     model.max_outlier_score = prior.max_outlier_score;
   }
   return learned;
