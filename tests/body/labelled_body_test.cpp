@@ -3,6 +3,7 @@
 
 #include <doctest/doctest.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <filesystem>
 #include <string>
@@ -105,6 +106,22 @@ TEST_CASE("bodies with different labels are not learned from together") {
     const std::string message = test::reason(learn_atlas(pair, nullptr, {}, nullptr));
     CHECK(says(message, "ben lacks " + name + ", which anna has"));
   }
+}
+
+TEST_CASE("a copy of a person is refused, also where it was moved and turned") {
+  const Eigen::AngleAxisd turn(0.1, Vector3::UnitZ());
+  LabelledBody copy = anna();
+  copy.id = "berta";
+  const auto move = [&](Vector3& at) { at = turn * at + Vector3(20_mm, -10_mm, 0.0); };
+  for (Vector3& at : copy.skin_in_couch.vertices) move(at);
+  for (Landmark& landmark : copy.landmarks) move(landmark.at_in_couch);
+  for (Acupoint& point : copy.acupoints) {
+    move(point.at_in_couch);
+    point.normal_in_couch = turn * point.normal_in_couch;
+  }
+  const std::string message =
+      test::reason(learn_atlas(std::vector{anna(), copy}, nullptr, {}, nullptr));
+  CHECK(says(message, "berta: its labels are those of anna"));
 }
 
 TEST_CASE(

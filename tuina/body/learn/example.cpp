@@ -2,6 +2,7 @@
 #include "tuina/body/learn/example.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <limits>
 #include <optional>
@@ -71,11 +72,15 @@ BackSurface mirrored(const BackSurface& back) {
   return {std::move(cloud), back.position(), back.spacing_m()};
 }
 
-/// Who has the same labels already, as the same person under another name has.
+/// Who has the same labels already, as the same person under another name has, also where the copy
+/// was moved.
 std::optional<std::size_t> find_twin(const Examples& examples, const Places& labels) {
   constexpr double same_m = 0.1_mm;
+  const auto span_m = [](const Places& of) { return (of.rightCols<1>() - of.col(0)).norm(); };
   const auto same = std::ranges::find_if(examples.labels_in_couch, [&](const Places& others) {
-    return (others - labels).cwiseAbs().maxCoeff() < same_m;
+    // Whom one distance tells apart is not aligned: thousands of people are compared in pairs.
+    if (std::abs(span_m(others) - span_m(labels)) > 4.0 * same_m) return false;
+    return (align(others, labels) * others - labels).cwiseAbs().maxCoeff() < same_m;
   });
   if (same == examples.labels_in_couch.end()) return std::nullopt;
   return static_cast<std::size_t>(same - examples.labels_in_couch.begin());
