@@ -126,6 +126,28 @@ TEST_CASE("a coarse or fine picture of a depth camera shows the points, couch an
   }
 }
 
+TEST_CASE("a laser that stood still for hundreds of frames changes no answer") {
+  for (const auto position : {BodyPosture::sitting, BodyPosture::prone}) {
+    const LabelledBody person = phantom(position);
+    PointCloud cloud = sample(person.skin_in_couch, 5_mm);
+    const auto before = map(cloud);
+    REQUIRE_MESSAGE(before.has_value(), test::reason(before));
+    const Vector3 spot = person.acupoints.back().at_in_couch;
+    Random random = make_random(9, "laser");
+    std::vector<Vector3> lit;
+    for (const Vector3& p : cloud.points)
+      if ((p - spot).norm() < 20_mm) lit.push_back(p);
+    for (std::size_t i = 0; i < 300'000; ++i) {
+      const Vector3 noise(gaussian(random, 0.3_mm), gaussian(random, 0.3_mm),
+                          gaussian(random, 0.3_mm));
+      cloud.points.push_back(lit[i % lit.size()] + noise);
+    }
+    const auto found = map(cloud);
+    REQUIRE_MESSAGE(found.has_value(), test::reason(found));
+    CHECK(max_distance_mm(*before, *found) < 5.0);
+  }
+}
+
 TEST_CASE("pixels that fly above the back of a very dense picture do not change the answer") {
   const LabelledBody person = phantom(BodyPosture::prone);
   PointCloud cloud = sample(person.skin_in_couch, 0.5_mm);

@@ -76,20 +76,19 @@ Transform own_frame(const std::vector<Vector3>& points) {
 }
 
 /// Removes flying pixels, which are connected in very dense clouds: points in voxels much emptier
-/// than the median.
+/// than the median. The median is one of the skin: where a laser stood still, points of hundreds of
+/// frames lie in one spot, and there they count as few.
 void drop_strays(std::vector<Vector3>& above) {
   constexpr std::size_t dense = 250'000;
   constexpr int hardly = 500;  // density ratio to the voxel of the median point
   if (above.size() < dense) return;
   const Voxels voxels = gather(above, gap_m);
-  std::vector<int> counts(voxels.count.begin(), voxels.count.end());
-  std::sort(counts.begin(), counts.end());
-  std::size_t passed = 0;
-  const auto usual = std::find_if(counts.begin(), counts.end(), [&](int count) {
-    passed += static_cast<std::size_t>(count);
-    return 2 * passed >= above.size();
-  });
-  const int few = *usual / hardly;
+  std::vector<int> counts;
+  for (const Vector3& spot : gather(above, 3_mm).mean)
+    counts.push_back(voxels.count[static_cast<std::size_t>(voxels.around(spot))]);
+  const auto median = counts.begin() + static_cast<std::ptrdiff_t>(counts.size() / 2);
+  std::nth_element(counts.begin(), median, counts.end());
+  const int few = *median / hardly;
   std::erase_if(above, [&](const Vector3& p) {
     const int voxel = voxels.around(p);
     return voxels.count[static_cast<std::size_t>(voxel)] <= few;
