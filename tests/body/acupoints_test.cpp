@@ -262,6 +262,20 @@ TEST_CASE("what is no whole back is refused, with the cause") {
   }
 }
 
+TEST_CASE("the scan of a sitting person with z down is refused as what it is") {
+  for (const std::uint64_t seed : {77U, 78U, 79U, 80U}) {
+    CAPTURE(seed);
+    PointCloud cloud = scan_of(phantom(BodyPosture::sitting, seed));
+    CHECK(map(cloud).has_value());
+    // Half round about the line of sight, which is no mirror.
+    for (Vector3& p : cloud.points) p = Vector3(-p.x(), p.y(), 1.05 - p.z());
+    const auto found = map(cloud);
+    REQUIRE_FALSE(found.has_value());
+    INFO(found.error().message);
+    CHECK(found.error().message.find("the back is upside down") != std::string::npos);
+  }
+}
+
 TEST_CASE("a rucksack, long hair or an arm across the back is refused or said in the radius") {
   for (const BodyPosture position : {BodyPosture::sitting, BodyPosture::prone}) {
     const LabelledBody person = phantom(position);

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tuina/body/acupoints.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "tuina/body/correction.hpp"
@@ -141,8 +143,44 @@ void follow_hollow(LabelEstimate& estimate, const ShapeModel& shape, const BackS
   estimate.radius95_m = estimate.radius95_m.cwiseMax(by.colwise().norm().transpose());
 }
 
+/// The back turned half round about the line of sight.
+BackSurface upside_down(const BackSurface& back) {
+  PointCloud cloud = back.points();
+  Vector3 low = cloud.points.front(), high = low;
+  for (const Vector3& p : cloud.points) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  const double angle = heading(cloud, back.position());
+  const Eigen::AngleAxisd half(pi, Vector3(-std::sin(angle), std::cos(angle), 0.0));
+  const Vector3 middle = 0.5 * (low + high);
+  for (Vector3& p : cloud.points) p = middle + half * (p - middle);
+  for (Vector3& n : cloud.normals) n = half * n;
+  return {std::move(cloud), back.position(), back.spacing_m()};
+}
+
+/// Refuses the scan of a sitting person in which z points down. A few such backs look like a
+/// strange one that sits upright, so a strange one is turned to see how it fits then. Who lies is
+/// tried with the head at either end anyway.
+Result<void> check_upright(const LabelEstimate& estimate, const BackSurface& back,
+                           const ShapeModel& shape) {
+  if (back.position() != BodyPosture::sitting || estimate.strangeness <= 1.0) return {};
+  const ShapeFit& upright = estimate.fit;
+  const ShapeFit turned = fit_shape(shape, upside_down(back));
+  // Of 80 people of docs/bodies.md one fits upside down with less bent modes, nobody with a smaller
+  // misfit, too.
+  const bool better = turned.outlier_score() < upright.outlier_score() &&
+                      turned.residual_m < upright.residual_m && turned.coverage >= min_covered;
+  if (!better) return {};
+  return fail(Fault::bad_input,
+              "the back is upside down: turned by 180 degrees it fits the atlas to {:.1f} mm "
+              "and is less unusual ({:.1f}, {:.1f} as it is); z has to point up",
+              to_mm(turned.residual_m), turned.outlier_score(), upright.outlier_score());
+}
+
 Result<void> fit(Mapping& mapping, const BackSurface& back, const ShapeModel& shape) {
   LabelEstimate estimate = estimate_labels(shape, back);
+  if (auto upright = check_upright(estimate, back, shape); !upright) return upright;
   follow_hollow(estimate, shape, back);
   mapping.coverage = estimate.fit.coverage;
   mapping.rms_residual_m = estimate.fit.residual_m;
@@ -231,7 +269,8 @@ Result<Mapping> locate_acupoints(const BackSurface& back, const Atlas& atlas, Me
   }
   if (const auto fitted = fit(mapping, back, known->shape); !fitted) {
     // A mirrored scan also fits badly; the outline names that cause.
-    const bool known_better = !outline && outline.error().fault == Fault::bad_input;
+    const bool known_better = fitted.error().fault == Fault::not_found && !outline &&
+                              outline.error().fault == Fault::bad_input;
     return tl::unexpected(known_better ? outline.error() : fitted.error());
   }
   return mapping;
