@@ -53,8 +53,7 @@ Result<void> read_order(const SessionOrder& order, const session::Config& config
   if (!options) return tl::unexpected(options.error());
   auto atlas = open_atlas(order.atlas);
   if (!atlas) return tl::unexpected(atlas.error());
-  if (auto known = body::check_names(order.fixed, atlas->positions.front().shape.labels); !known)
-    return known;
+  if (auto known = body::check_names(order.fixed, body::labels_of(*atlas)); !known) return known;
   read.programme = std::move(*programme);
   read.plan_options = std::move(*options);
   read.atlas = std::move(*atlas);

@@ -97,7 +97,7 @@ class MapVerb final : public Verb {
     if (bar) bar(0.3);
     const auto atlas = open_atlas(atlas_);
     if (!atlas) return tl::unexpected(atlas.error());
-    const auto known = body::check_names(*fixed, atlas->positions.front().shape.labels);
+    const auto known = body::check_names(*fixed, body::labels_of(*atlas));
     if (!known) return tl::unexpected(about_fix(known.error()));
     if (bar) bar(0.6);
 

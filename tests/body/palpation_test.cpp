@@ -154,6 +154,15 @@ TEST_CASE("a finger on the next vertebra is refused, also where the scan is not 
   }
 }
 
+TEST_CASE("a point that an atlas knows in one position only has a name") {
+  Atlas atlas;
+  atlas.positions.resize(2);
+  atlas.positions[0].shape.labels = {"GV4", "GV14"};
+  atlas.positions[1].shape.labels = {"GV4", "BL18_L"};
+  CHECK(labels_of(atlas) == std::vector<std::string>{"GV4", "GV14", "BL18_L"});
+  CHECK(check_names(std::vector{finger("BL18_L", 0.0)}, labels_of(atlas)).has_value());
+}
+
 TEST_CASE("points fixed one after the other are as if fixed at once") {
   const PalpatedPoint first = finger("GV14", 5_mm), second = finger("GV4", -4_mm);
   const auto at_once = fixed({first, second});

@@ -182,6 +182,15 @@ Result<void> check_names(std::span<const PalpatedPoint> palpated,
   return {};
 }
 
+std::vector<std::string> labels_of(const Atlas& atlas) {
+  std::vector<std::string> names;
+  for (const PositionAtlas& position : atlas.positions) {
+    for (const std::string& name : position.shape.labels)
+      if (std::ranges::find(names, name) == names.end()) names.push_back(name);
+  }
+  return names;
+}
+
 Result<Mapping> fix_points(const Mapping& mapping, const BackSurface& back,
                            std::span<const PalpatedPoint> palpated) {
   if (mapping.covariance_m2.size() == 0) {

@@ -25,6 +25,9 @@ namespace tuina::body {
 [[nodiscard]] Result<void> check_names(std::span<const PalpatedPoint> palpated,
                                        const std::vector<std::string>& names);
 
+/// Labels of an atlas in any of its positions: which one a person is in shows in the scan only.
+[[nodiscard]] std::vector<std::string> labels_of(const Atlas& atlas);
+
 /// Radius of the sphere that holds 95 % of a centred Gaussian.
 [[nodiscard]] double radius95_of(const Matrix3& covariance_m2);
 
