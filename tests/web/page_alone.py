@@ -248,7 +248,7 @@ def begun_anew(binary, page_folder):
         refused = sum(line["outcome"] == "refused: 401" for line in again.audit())
         time.sleep(3.0)
         after = sum(line["outcome"] == "refused: 401" for line in again.audit())
-        expect(f"nothing is asked for again: {refused}, then {after}", after == refused and after <= 3)
+        expect(f"nothing is asked for again: {refused}, then {after}", after == refused and after <= 8)  # what was under way is refused; two more a second were, for ever
         expect("exit", again.end() == 0)
         tab.close()
 
