@@ -12,14 +12,20 @@
 using namespace tuina;
 using namespace tuina::history;
 
+namespace {
+
+void keep_a_visit(const std::string& address) {
+  auto history = History::open(address);
+  REQUIRE(history);
+  REQUIRE(history->add(test::visit_at("a", "2026-01-02T10:00:00Z", 1.0)));
+}
+
+}  // namespace
+
 TEST_CASE("who may only read a history reads it, and is told that it cannot be written") {
   const test::Folder folder;
   const std::string address = folder / "ward #1 100%.sqlite";
-  {
-    auto history = History::open(address);
-    REQUIRE(history);
-    REQUIRE(history->add(test::visit_at("a", "2026-01-02T10:00:00Z", 1.0)));
-  }
+  keep_a_visit(address);
   namespace fs = std::filesystem;
   using fs::perms;
   constexpr perms all_read = perms::owner_read | perms::group_read | perms::others_read;
@@ -47,11 +53,7 @@ TEST_CASE("who may only read a history reads it, and is told that it cannot be w
 TEST_CASE("a history that was cut is refused with the way to another one") {
   const test::Folder folder;
   const std::string address = folder / "history.sqlite";
-  {
-    auto history = History::open(address);
-    REQUIRE(history);
-    REQUIRE(history->add(test::visit_at("a", "2026-01-02T10:00:00Z", 1.0)));
-  }
+  keep_a_visit(address);
   std::filesystem::resize_file(address, std::filesystem::file_size(address) / 3);
   auto cut = History::open(address);
   const std::string said = cut ? test::reason(cut->visits_of("anna")) : test::reason(cut);
