@@ -279,8 +279,9 @@ TEST_CASE(
   CHECK(clock.tick_at(clock.seen.time_s).action == Action::pass);
   CHECK(clock.tick_at(clock.seen.time_s).cause == Cause::clock);
   Scene inward;
-  inward.proposal.torque_nm = inward.torque_of(-80.0 * inward.normal());
-  inward.proposal.stiffness_n_per_m = 0.0;
+  inward.force_n = inward.proposal.set_force_n = 0.0;
+  inward.proposal.virtual_target_in_base = inward.seen.tool_in_base;
+  inward.pull(-29.0 * inward.normal());
   CHECK(inward.ticks_until_it_acts() == 99);
   CHECK(inward.verdict.cause == Cause::inward_force);
 }

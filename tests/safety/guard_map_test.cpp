@@ -232,7 +232,7 @@ TEST_CASE("torques and leash may press as hard as the place bears, whatever it i
   scene.force_n = 0.0;
   scene.proposal.set_force_n = 15.0;
   scene.tick(3);
-  scene.pull(-60.0 * scene.normal());
+  scene.lean(-60.0 * scene.normal());
   scene.tick(50);
   CHECK(scene.verdict.cause == Cause::inward_force);
   CHECK((scene.allowed_n() + 35.0 * scene.normal()).norm() < 1e-4);

@@ -90,7 +90,8 @@ TEST_CASE("a controller may let go ten times as suddenly as it may press, in con
       scene.tick(10);
       scene.proposal.phase = static_cast<Phase>(phase);
       const double before_nm = scene.proposal.torque_nm[0];
-      scene.proposal.torque_nm[0] += direction * 40.0;  // the first joint moves the tool along x
+      // The first joint moves the tool along x; to press by 25 N at once is borne.
+      scene.proposal.torque_nm[0] += direction > 0.0 ? 40.0 : -5.0;
       const double step_nm = scene.tick().allowed_nm[0] - before_nm;
       const bool may_press =
           scene.proposal.phase == Phase::contact || scene.proposal.phase == Phase::retract;
@@ -181,4 +182,15 @@ TEST_CASE("a torque of the guard's own that is no number is the last one again")
   const JointVector before_nm = scene.verdict.allowed_nm;
   scene.seen.tool_velocity_m_per_s = Vector3(1e308, -1e308, 1e308);
   CHECK(scene.tick().allowed_nm == before_nm);
+}
+
+TEST_CASE("a tool that no joint moves presses nobody, where nothing may be pressed at all either") {
+  Guard::Options options = six_joints();
+  options.limits.pressing_n = 0.0;
+  for (ForceLimits& limits : options.force) limits.trip_n = 0.0;
+  Scene scene(options);
+  scene.force_n = scene.noise_n = scene.proposal.set_force_n = 0.0;
+  scene.proposal.virtual_target_in_base = scene.seen.tool_in_base;
+  scene.seen.jacobian.setZero();
+  CHECK(scene.tick(3).action == Action::pass);
 }

@@ -3,6 +3,7 @@
 
 #include <doctest/doctest.h>
 
+#include <cmath>
 #include <limits>
 
 #include "tests/safety/standing_arm.hpp"
@@ -45,6 +46,15 @@ struct Scene {
 
   /// The controller wants the arm to push its tool with this force.
   void pull(const Vector3& force) { proposal.torque_nm = torque_of(force); }
+  /// Likewise, by 4 N more in each tick, as suddenly as torques may press.
+  void lean(const Vector3& force) {
+    const JointVector from_nm = proposal.torque_nm, change_nm = torque_of(force) - from_nm;
+    const int ticks = static_cast<int>(std::ceil(change_nm.norm() / (0.2 * 4.0)));
+    for (int i = 1; i <= ticks; ++i) {
+      proposal.torque_nm = from_nm + change_nm * i / ticks;
+      tick();
+    }
+  }
 
   /// One tick at a time of its own.
   const Verdict& tick_at(double time_s) {

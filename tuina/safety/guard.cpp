@@ -15,6 +15,9 @@ constexpr int inward_ticks = 100;
 // Excess over the cap of the inward force that is borne: a sound arm with much friction asks for as
 // much without pressing harder.
 constexpr double borne_over_n = 5.0;
+// Newtons by which a sound controller presses harder from one millisecond to the next; in massages
+// of all three worlds it is 13 at most.
+constexpr double max_step_n = 30.0;
 // Newtons by which that cap falls for each newton felt beyond the set force.
 constexpr double yields_per_n = 2.0;
 // Newtons by which noise may make the least force felt on the way out too small.
@@ -131,8 +134,13 @@ void Guard::judge_torques(const Observation& seen, const Proposal& proposal,
   saturated_ = saturated ? saturated_ + 1 : 0;
   if (saturated_ >= saturated_ticks) finding.add(Action::comply, Cause::torque_saturated);
   // What the controller says of its springs may be untrue; what its torques press is not.
-  const double over_n =
-      fits ? inward_n(seen, proposal.torque_nm) - inward_cap_n(seen, proposal) : 0.0;
+  const double pressed_by_n = fits ? inward_n(seen, proposal.torque_nm) : 0.0;
+  // A person who comes makes it jump, too, and must not be met by a tool that is held.
+  const bool met =
+      proposal.phase == Phase::retract || felt_n() > std::max(proposal.set_force_n, 0.0) + eases_n;
+  if (fits && !met && pressed_by_n - inward_n(seen, allowed_nm_) > max_step_n)
+    finding.add(Action::freeze, Cause::inward_force);
+  const double over_n = fits ? pressed_by_n - inward_cap_n(seen, proposal) : 0.0;
   inward_ = over_n > borne_over_n ? inward_ + 1 : 0;
   if (over_n > 0.0) finding.add(Action::warn, Cause::inward_force);
   if (inward_ >= inward_ticks) finding.add(Action::retract, Cause::inward_force);
