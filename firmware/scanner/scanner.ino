@@ -32,8 +32,8 @@ struct Laser {
   Drop drop;
   uint8_t sequence;
   unsigned long asked_ms, lit_since_ms, out_since_ms;
-  int anchor_count;  // the motor has moved less than two counts from here ...
-  unsigned long anchor_ms;  // ... since then
+  int min_count, max_count;  // where the motor has been since the laser is lit
+  unsigned long moved_ms;    // when it last went two counts farther
   unsigned long motor_ms;  // when the motor last answered
 } laser;
 
@@ -55,7 +55,7 @@ void watch_laser() {
   if (!laser.lit) return;
   const unsigned long now = millis();
   if (now - laser.asked_ms > max_silence_ms) put_out(drop_silence);
-  else if (now - laser.anchor_ms > max_stand_ms) put_out(drop_stands);
+  else if (now - laser.moved_ms > max_stand_ms) put_out(drop_stands);
   else if (now - laser.motor_ms > max_silence_ms) put_out(drop_no_motor);
   else if (now - laser.lit_since_ms > max_lit_ms) put_out(drop_too_long);
 }
@@ -141,14 +141,18 @@ void poll(const uint8_t* asked, unsigned long heard_us) {
     told[9] = answer.bytes[15];  // 46, moving
     laser.motor_ms = now;
     const int count = told[5] | told[6] << 8;
-    if (abs(count - laser.anchor_count) >= 2) {
-      laser.anchor_count = count;
-      laser.anchor_ms = now;
+    if (count <= laser.min_count - 2) {
+      laser.min_count = count;
+      laser.moved_ms = now;
+    } else if (count >= laser.max_count + 2) {
+      laser.max_count = count;
+      laser.moved_ms = now;
     }
     if (lit && !laser.lit && laser.drop == drop_none &&
         sequence != laser.sequence) {
       laser.lit = true;
-      laser.lit_since_ms = laser.anchor_ms = laser.asked_ms = now;
+      laser.min_count = laser.max_count = count;
+      laser.lit_since_ms = laser.moved_ms = laser.asked_ms = now;
       digitalWrite(laser_pin, HIGH);
       digitalWrite(lamp_pin, HIGH);
     }

@@ -129,7 +129,8 @@ void Ax12Turntable::judge(const YawServo::Told& told) {
   if (!turning_) return;
   told_.push_back(told);
   const auto now = Clock::now();
-  if (std::abs(count_ - stands_at_count_) >= 2) {
+  // One that swings about a place stands there.
+  if (direction_ * (count_ - stands_at_count_) >= 2) {
     stands_at_count_ = count_;
     stands_since_ = now;
   }

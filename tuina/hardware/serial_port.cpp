@@ -30,7 +30,7 @@ Result<void> make_raw(int number, const std::string& address, int bits_per_s) {
     return fail(Fault::device, "{} is no serial line; `tuina doctor` lists those that are",
                 address);
   ::cfmakeraw(&line);
-  line.c_cflag |= CLOCAL | CREAD;
+  line.c_cflag |= CLOCAL | CREAD | HUPCL;  // whoever ends, or is killed, leaves DTR low
   line.c_cc[VMIN] = 0;
   line.c_cc[VTIME] = 0;
   ::cfsetspeed(&line, speed->of);
