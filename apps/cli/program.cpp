@@ -267,8 +267,9 @@ int run_program(int argc, char** argv, const Program& program) {
   try {
     tuina.parse(argc, argv);
   } catch (const CLI::CallForHelp&) {
-    if (const auto told = print(help_of(chosen_by(tuina))); !told) return explain(told.error());
-    return refuse_unknown(tuina);
+    if (const int refused = refuse_unknown(tuina); refused != 0) return refused;
+    const auto told = print(help_of(chosen_by(tuina)));
+    return told ? 0 : explain(told.error());
   } catch (const CLI::CallForVersion&) {
     const auto told = print(fmt::format("tuina {}\n", TUINA_VERSION));
     return told ? 0 : explain(told.error());
