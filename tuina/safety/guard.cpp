@@ -134,13 +134,13 @@ void Guard::judge_torques(const Observation& seen, const Proposal& proposal,
   saturated_ = saturated ? saturated_ + 1 : 0;
   if (saturated_ >= saturated_ticks) finding.add(Action::comply, Cause::torque_saturated);
   // What the controller says of its springs may be untrue; what its torques press is not.
-  const double pressed_by_n = fits ? inward_n(seen, proposal.torque_nm) : 0.0;
+  const double wanted_n = inward_n(seen, fits ? proposal.torque_nm : allowed_nm_);
   // A person who comes makes it jump, too, and must not be met by a tool that is held.
   const bool met =
       proposal.phase == Phase::retract || felt_n() > std::max(proposal.set_force_n, 0.0) + eases_n;
-  if (fits && !met && pressed_by_n - inward_n(seen, allowed_nm_) > max_step_n)
+  if (!met && wanted_n - inward_n(seen, allowed_nm_) > max_step_n)
     finding.add(Action::freeze, Cause::inward_force);
-  const double over_n = fits ? pressed_by_n - inward_cap_n(seen, proposal) : 0.0;
+  const double over_n = wanted_n - inward_cap_n(seen, proposal);
   inward_ = over_n > borne_over_n ? inward_ + 1 : 0;
   if (over_n > 0.0) finding.add(Action::warn, Cause::inward_force);
   if (inward_ >= inward_ticks) finding.add(Action::retract, Cause::inward_force);
