@@ -134,6 +134,34 @@ TEST_CASE(
   CHECK(controller.status().mode == Mode::hold);
 }
 
+TEST_CASE("what a push taught an arm about its place is forgotten when it is led or starts anew") {
+  ArmController::Options options;
+  options.learn_s = 0.0;
+  options.friction.share_of_table = 0.0;  // this arm has none
+  for (const bool led : {true, false}) {
+    ArmController controller(model, options);
+    ArmState state = at_rest(bent());
+    controller.start(state);
+    state.q_rad[1] += 0.04;  // a hand holds the tool beside its place
+    state.base_from_tool = model.base_from_tool(state.q_rad, 0.0);
+    for (int i = 0; i < 2000; ++i) {
+      (void)controller.step(state, 0.0, 1e-3);
+    }
+    const auto drive_n = [&] {
+      const JointVector torque = controller.step(state, 0.0, 1e-3);
+      return (torque - model.evaluate(state.q_rad, state.dq_rad_per_s, 0.0).gravity_nm).norm();
+    };
+    CHECK(drive_n() > 5.0);
+    if (led) {
+      controller.lead();
+      controller.hold();
+    } else {
+      controller.start(state);
+    }
+    CHECK(drive_n() < 0.5);
+  }
+}
+
 TEST_CASE("commands that are no numbers leave the arm where it is and say so") {
   const double bad = std::numeric_limits<double>::quiet_NaN();
   ArmController controller = still_controller();

@@ -52,6 +52,7 @@ void ArmController::start(const ArmState& state) noexcept {
   centre_ = state.base_from_tool.translation();
   velocity_.setZero();
   spring_n_.setZero();
+  settling_n_.setZero();
   friction_.start(state.q_rad);
   follower_.start(state.q_rad);
   posture_rad_ = here_rad_ = state.q_rad;
@@ -159,6 +160,7 @@ void ArmController::lead() noexcept {
   status_.contact_fault = ContactFault::none;
   status_.settled = true;
   spring_n_.setZero();
+  settling_n_.setZero();
 }
 
 void ArmController::approach(const ToolPose& skin) noexcept {
