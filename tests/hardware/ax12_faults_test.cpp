@@ -185,9 +185,11 @@ std::vector<FaultCase> of_motor_laser_and_clock() {
             [](ServoEmulator& s, double t) {
               if (!s.blocked) s.block(t);
             }}},
-      {"stuck value",
+      {"swings about a place",
        "the motor has stood at",
-       {.from_poll = 5, .motor = [](ServoEmulator& s, double) { s.stuck_count = 512; }}},
+       {.from_poll = 5,
+        .motor = [](ServoEmulator& s,
+                    double) { s.stuck_count = s.stuck_count == 512 ? 515 : 512; }}},
       {"impossible value",
        "the motor tells count 1500",
        {.from_poll = 5, .motor = [](ServoEmulator& s, double) { s.stuck_count = 1500; }}},
