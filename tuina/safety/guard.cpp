@@ -15,8 +15,8 @@ constexpr int inward_ticks = 100;
 // Excess over the cap of the inward force that is borne: a sound arm with much friction asks for as
 // much without pressing harder.
 constexpr double borne_over_n = 5.0;
-// Newtons by which a sound controller presses harder from one millisecond to the next; in massages
-// of all three worlds it is 13 at most.
+// Newtons by which a sound controller presses harder from one millisecond to the next; in six
+// massages of all three worlds it is 14 at most.
 constexpr double max_step_n = 30.0;
 // Newtons by which that cap falls for each newton felt beyond the set force.
 constexpr double yields_per_n = 2.0;
