@@ -174,6 +174,29 @@ TEST_CASE("commands that are no numbers leave the arm where it is and say so") {
   CHECK(controller.step(at_rest(bent()), 0.0, 1e-3).allFinite());
 }
 
+TEST_CASE("a sample that is no number and a tick without length leave no trace") {
+  const double bad = std::numeric_limits<double>::quiet_NaN();
+  ArmState moved = at_rest(bent());
+  moved.q_rad[1] += 0.01;
+  moved.base_from_tool = model.base_from_tool(moved.q_rad, 0.0);
+  ArmController calm = still_controller(), disturbed = still_controller();
+  for (int i = 0; i < 50; ++i) {
+    const JointVector torque = calm.step(moved, 0.0, 1e-3);
+    CHECK(disturbed.step(moved, 0.0, 1e-3) == torque);
+    ArmState broken = moved;
+    double& value = i % 4 == 0   ? broken.q_rad[2]
+                    : i % 4 == 1 ? broken.dq_rad_per_s[0]
+                    : i % 4 == 2 ? broken.base_from_tool(0, 3)
+                                 : broken.contact_in_base.force_n.x();
+    value = bad;
+    CHECK(disturbed.step(broken, 0.0, 1e-3) == torque);
+    CHECK(disturbed.step(moved, bad, 1e-3) == torque);
+    CHECK(disturbed.step(moved, 0.0, 0.0) == torque);
+    disturbed.start(broken);
+    CHECK(disturbed.status().contact_fault == ContactFault::bad_command);
+  }
+}
+
 TEST_CASE("the wrist's zero error and the tool's weight are not a contact") {
   ArmSense sense(model);
   robot::ArmReading reading{.q_rad = bent(), .dq_rad_per_s = JointVector::Zero(6)};

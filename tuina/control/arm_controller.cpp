@@ -6,6 +6,17 @@
 #include <limits>
 
 namespace tuina::control {
+namespace {
+
+// Filters and integrals never forget what is no number.
+bool usable(const ArmState& state) noexcept {
+  return state.q_rad.allFinite() && state.dq_rad_per_s.allFinite() &&
+         state.base_from_tool.matrix().allFinite() && state.contact_in_base.force_n.allFinite() &&
+         state.contact_in_base.torque_nm.allFinite();
+}
+
+}  // namespace
+
 const char* name_of(Mode mode) noexcept {
   constexpr std::array names = {"hold", "move", "approach", "contact", "retract", "lead"};
   return names[static_cast<std::size_t>(mode)];
@@ -18,7 +29,11 @@ const char* name_of(ContactFault contact_fault) noexcept {
 }
 
 ArmController::ArmController(const robot::ArmModel& model, const Options& options) noexcept
-    : model_(&model), options_(options), sense_(model), friction_(model.table(), options.friction) {
+    : model_(&model),
+      options_(options),
+      sense_(model),
+      friction_(model.table(), options.friction),
+      torque_nm_(JointVector::Zero(model.table().joints)) {
   if (options_.law != ControlLaw::tuina) {
     options_.force.trim_per_s = 0.0;
     options_.force.gain_share = 0.0;
@@ -49,6 +64,10 @@ void ArmController::soften(int command_age) noexcept {
 }
 
 void ArmController::start(const ArmState& state) noexcept {
+  if (!usable(state)) {
+    status_.contact_fault = ContactFault::bad_command;
+    return;
+  }
   centre_ = state.base_from_tool.translation();
   velocity_.setZero();
   spring_n_.setZero();
@@ -69,6 +88,14 @@ void ArmController::start(const ArmState& state) noexcept {
     friction_.begin_learning();
     status_.settled = false;
   }
+}
+
+JointVector ArmController::step(const ArmState& state, double rail_m, double dt_s) noexcept {
+  if (usable(state) && std::isfinite(rail_m) && std::isfinite(dt_s) && dt_s > 0.0) {
+    rail_m_ = rail_m;
+    torque_nm_ = next_torque(state, dt_s);
+  }
+  return torque_nm_;
 }
 
 void ArmController::stop_learning() noexcept {

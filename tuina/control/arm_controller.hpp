@@ -111,7 +111,8 @@ class ArmController {
     return sense_.sense(reading, time_s, rail_m);
   }
   /// Starts in free air. The present configuration becomes the nullspace posture. Joint friction is
-  /// identified first, within 30 mm of here; a `move_to` waits for it.
+  /// identified first, within 30 mm of here; a `move_to` waits for it. A state that is no number
+  /// starts nothing and is a bad command.
   void start(const ArmState& state) noexcept;
 
   /// Nullspace posture, which decides the elbow above all.
@@ -137,7 +138,9 @@ class ArmController {
   /// Moves outward along the normal.
   void retract(double distance_m) noexcept;
 
-  /// Joint torques, gravity included. `rail_m`: position of the linear base.
+  /// Joint torques, gravity included. `rail_m`: position of the linear base. A state that is no
+  /// number, and a tick without length, change nothing: the last torques go on. Where that lasts,
+  /// the guard takes the arm.
   [[nodiscard]] JointVector step(const ArmState& state, double rail_m, double dt_s) noexcept;
 
   /// As of the last step.
@@ -146,6 +149,7 @@ class ArmController {
   [[nodiscard]] const robot::ArmDynamics& dynamics() const noexcept { return dynamics_; }
 
  private:
+  [[nodiscard]] JointVector next_torque(const ArmState& state, double dt_s) noexcept;
   [[nodiscard]] Vector3 free_force(const ArmState& state, double dt_s) noexcept;
   [[nodiscard]] Vector3 flight_force() noexcept;
   [[nodiscard]] Vector3 contact_force(double dt_s) noexcept;
@@ -191,6 +195,7 @@ class ArmController {
   double rail_m_ = 0.0;
   double learning_s_ = -1.0;  // time since identification began; negative: not running
   JointVector learn_rad_, learn_nm_;
+  JointVector torque_nm_;  // of the last step
   std::optional<ToolPose> move_after_learning_;
   ArmStatus status_;
 };

@@ -252,10 +252,9 @@ void ArmController::resume_from_here() noexcept {
       status_.force_n);
 }
 
-JointVector ArmController::step(const ArmState& state, double rail_m, double dt_s) noexcept {
-  rail_m_ = rail_m;
+JointVector ArmController::next_torque(const ArmState& state, double dt_s) noexcept {
   here_rad_ = state.q_rad;
-  dynamics_ = model_->evaluate(state.q_rad, state.dq_rad_per_s, rail_m);
+  dynamics_ = model_->evaluate(state.q_rad, state.dq_rad_per_s, rail_m_);
   centre_ = dynamics_.base_from_tool.translation();
   velocity_ = dynamics_.jacobian.topRows<3>() * state.dq_rad_per_s;
   const Vector3& believed = reference_.pose.normal_in_base;
