@@ -6,7 +6,7 @@
 #include <Eigen/Dense>
 
 #include "tuina/hardware/analog_robot.hpp"
-#include "tuina/robot/inverse_kinematics.hpp"
+#include "tuina/robot/ready_posture.hpp"
 using namespace tuina;
 
 namespace {

@@ -11,6 +11,7 @@
 #include "tuina/robot/inverse_kinematics.hpp"
 #include "tuina/robot/mount.hpp"
 #include "tuina/robot/position_drives.hpp"
+#include "tuina/robot/ready_posture.hpp"
 #include "tuina/robot/robot.hpp"
 #include "tuina/robot/robot_model.hpp"
 #include "tuina/robot/table/read_urdf.hpp"

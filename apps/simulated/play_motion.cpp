@@ -9,7 +9,7 @@
 #include "apps/simulated/session_order.hpp"
 #include "tuina/control/cartesian_impedance.hpp"
 #include "tuina/control/friction.hpp"
-#include "tuina/robot/inverse_kinematics.hpp"
+#include "tuina/robot/ready_posture.hpp"
 
 namespace tuina::app {
 

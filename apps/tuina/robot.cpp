@@ -4,6 +4,7 @@
 #include "apps/tuina/verbs.hpp"
 #include "tuina/core/io/file.hpp"
 #include "tuina/robot/inverse_kinematics.hpp"
+#include "tuina/robot/ready_posture.hpp"
 #include "tuina/robot/robot_model.hpp"
 #include "tuina/robot/table/read_urdf.hpp"
 #include "tuina/robot/table/robot_table.hpp"

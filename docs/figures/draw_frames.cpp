@@ -11,6 +11,7 @@
 #include "tuina/core/io/png.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/robot/inverse_kinematics.hpp"
+#include "tuina/robot/ready_posture.hpp"
 #include "tuina/sim/person/phantom.hpp"
 #include "tuina/sim/scanner/laser_scanner.hpp"
 #include "tuina/telemetry/picture/picture_element.hpp"

@@ -11,7 +11,7 @@
 #include "tests/reason.hpp"
 #include "tuina/hardware/armlink_robot.hpp"
 #include "tuina/hardware/wrist_calibration.hpp"
-#include "tuina/robot/inverse_kinematics.hpp"
+#include "tuina/robot/ready_posture.hpp"
 #include "tuina/safety/robot_guard.hpp"
 
 using namespace tuina;

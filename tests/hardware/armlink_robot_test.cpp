@@ -7,7 +7,7 @@
 #include "tests/allocation.hpp"
 #include "tests/hardware/scripted_arms.hpp"
 #include "tests/reason.hpp"
-#include "tuina/robot/inverse_kinematics.hpp"
+#include "tuina/robot/ready_posture.hpp"
 
 using namespace tuina;
 using namespace tuina::hardware;

@@ -12,7 +12,7 @@
 #include "tuina/core/units.hpp"
 #include "tuina/hardware/steady_clock.hpp"
 #include "tuina/hardware/wrist_robot.hpp"
-#include "tuina/robot/inverse_kinematics.hpp"
+#include "tuina/robot/ready_posture.hpp"
 #include "tuina/safety/guard.hpp"
 
 using namespace tuina;

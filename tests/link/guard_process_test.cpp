@@ -10,7 +10,7 @@
 #include <thread>
 
 #include "tuina/control/tool_motion.hpp"
-#include "tuina/robot/inverse_kinematics.hpp"
+#include "tuina/robot/ready_posture.hpp"
 
 using namespace tuina;
 using namespace tuina::link;

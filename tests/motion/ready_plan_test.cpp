@@ -11,6 +11,7 @@
 #include "tuina/motion/ready_plan.hpp"
 #include "tuina/motion/rollout.hpp"
 #include "tuina/motion/startle.hpp"
+#include "tuina/robot/ready_posture.hpp"
 #include "tuina/robot/robot_model.hpp"
 #include "tuina/sim/person/person.hpp"
 

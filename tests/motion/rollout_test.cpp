@@ -3,6 +3,7 @@
 
 #include <doctest/doctest.h>
 
+#include "tuina/robot/ready_posture.hpp"
 #include "tuina/robot/robot_model.hpp"
 
 using namespace tuina;

@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "tuina/core/random.hpp"
-#include "tuina/robot/inverse_kinematics.hpp"
+#include "tuina/robot/ready_posture.hpp"
 
 using namespace tuina;
 using namespace tuina::robot;

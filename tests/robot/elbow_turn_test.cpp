@@ -7,6 +7,7 @@
 #include "tuina/robot/elbow_turn.hpp"
 #include "tuina/robot/inverse_kinematics.hpp"
 #include "tuina/robot/mount.hpp"
+#include "tuina/robot/ready_posture.hpp"
 #include "tuina/robot/robot_model.hpp"
 
 using namespace tuina;

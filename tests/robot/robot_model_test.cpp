@@ -9,6 +9,7 @@
 #include "tuina/robot/arm_model.hpp"
 #include "tuina/robot/clearance.hpp"
 #include "tuina/robot/inverse_kinematics.hpp"
+#include "tuina/robot/ready_posture.hpp"
 
 using namespace tuina;
 using namespace tuina::robot;

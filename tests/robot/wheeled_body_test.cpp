@@ -7,7 +7,7 @@
 
 #include "tests/robot/oracles.hpp"
 #include "tuina/core/random.hpp"
-#include "tuina/robot/inverse_kinematics.hpp"
+#include "tuina/robot/ready_posture.hpp"
 #include "tuina/robot/robot_model.hpp"
 
 using namespace tuina;

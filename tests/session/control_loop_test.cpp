@@ -6,7 +6,7 @@
 #include <string>
 
 #include "tests/fake_robot.hpp"
-#include "tuina/robot/inverse_kinematics.hpp"
+#include "tuina/robot/ready_posture.hpp"
 
 using namespace tuina;
 using tests::FakeRobot;

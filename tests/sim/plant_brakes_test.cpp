@@ -8,7 +8,7 @@
 #include "tests/allocation.hpp"
 #include "tests/reason.hpp"
 #include "tuina/robot/arm_model.hpp"
-#include "tuina/robot/inverse_kinematics.hpp"
+#include "tuina/robot/ready_posture.hpp"
 #include "tuina/sim/robot/plant.hpp"
 
 using namespace tuina;

@@ -9,7 +9,7 @@
 #include "tests/allocation.hpp"
 #include "tests/reason.hpp"
 #include "tuina/robot/arm_model.hpp"
-#include "tuina/robot/inverse_kinematics.hpp"
+#include "tuina/robot/ready_posture.hpp"
 
 using namespace tuina;
 using namespace tuina::sim;

@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "tuina/robot/inverse_kinematics.hpp"
+#include "tuina/robot/ready_posture.hpp"
 #include "tuina/sim/person/person.hpp"
 #include "tuina/sim/person/phantom.hpp"
 #include "tuina/sim/robot/closest_point.hpp"

@@ -10,6 +10,7 @@
 #include "tuina/motion/configuration_choice.hpp"
 #include "tuina/motion/two_arm_schedule.hpp"
 #include "tuina/robot/inverse_kinematics.hpp"
+#include "tuina/robot/ready_posture.hpp"
 
 namespace tuina::motion {
 namespace {

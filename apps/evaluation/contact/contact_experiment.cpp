@@ -11,7 +11,7 @@
 #include "tuina/control/beat_correction.hpp"
 #include "tuina/control/late_force.hpp"
 #include "tuina/massage/technique/contact_path.hpp"
-#include "tuina/robot/inverse_kinematics.hpp"
+#include "tuina/robot/ready_posture.hpp"
 #include "tuina/robot/robot_model.hpp"
 #include "tuina/session/control_loop.hpp"
 #include "tuina/session/controlled_arm.hpp"

@@ -8,6 +8,7 @@
 #include "tuina/control/arm_controller.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/robot/inverse_kinematics.hpp"
+#include "tuina/robot/ready_posture.hpp"
 
 namespace tuina::app {
 namespace {

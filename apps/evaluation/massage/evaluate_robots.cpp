@@ -12,6 +12,7 @@
 #include "tuina/massage/plan.hpp"
 #include "tuina/motion/ready_plan.hpp"
 #include "tuina/robot/inverse_kinematics.hpp"
+#include "tuina/robot/ready_posture.hpp"
 #include "tuina/robot/robot_model.hpp"
 #include "tuina/sim/person/person.hpp"
 

@@ -11,7 +11,7 @@
 #include "apps/simulated/armlink_arms.hpp"
 #include "tuina/hardware/can/cia402.hpp"
 #include "tuina/hardware/can/emulated_bus.hpp"
-#include "tuina/robot/inverse_kinematics.hpp"
+#include "tuina/robot/ready_posture.hpp"
 
 namespace tuina::app {
 namespace {

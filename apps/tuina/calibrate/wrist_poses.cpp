@@ -12,7 +12,7 @@
 #include "tuina/hardware/armlink_robot.hpp"
 #include "tuina/hardware/device_file.hpp"
 #include "tuina/hardware/wrist_sensor.hpp"
-#include "tuina/robot/inverse_kinematics.hpp"
+#include "tuina/robot/ready_posture.hpp"
 
 namespace tuina::app {
 namespace {

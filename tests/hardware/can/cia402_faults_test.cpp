@@ -9,7 +9,7 @@
 #include "tests/reason.hpp"
 #include "tuina/core/units.hpp"
 #include "tuina/hardware/wrist_calibration.hpp"
-#include "tuina/robot/inverse_kinematics.hpp"
+#include "tuina/robot/ready_posture.hpp"
 #include "tuina/safety/robot_guard.hpp"
 
 using namespace tuina;

@@ -14,7 +14,7 @@
 #include "tests/hardware/scripted_wrist.hpp"
 #include "tests/open_files.hpp"
 #include "tuina/hardware/wrist_robot.hpp"
-#include "tuina/robot/inverse_kinematics.hpp"
+#include "tuina/robot/ready_posture.hpp"
 #include "tuina/safety/robot_guard.hpp"
 
 // What becomes of a wrist sensor that is at fault: refused before the start, or stopped by the

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "tuina/core/random.hpp"
+#include "tuina/robot/ready_posture.hpp"
 
 namespace tuina::sim {
 namespace {
