@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "apps/tuina/verbs.hpp"
@@ -40,29 +41,31 @@ ordered_json waiting(const robot::RobotModel& model, BodyPosture position, std::
   const robot::RobotPlacement there = robot::place_robot(model, position);
   const auto arms = robot::both_models(there.arm, there.mount);
   const auto ready = robot::ready_posture(there.arm, there.mount);
-  ordered_json json = {{"rail_mm", {to_mm(there.mount.min_rail_m), to_mm(there.mount.max_rail_m)}}};
+  const robot::ReadyRoom room = robot::ready_room(arms, there.mount, ready, 0.0);
+  ordered_json json = {{"rail_mm", {to_mm(there.mount.min_rail_m), to_mm(there.mount.max_rail_m)}},
+                       {"between_arms_mm", to_mm(room.between_arms_m)}};
   for (const Arm arm : both_arms) {
-    const Transform tool = arms[arm].base_from_tool(ready[arm], 0.0);
-    const Vector3 wanted = there.mount.base_from_shoulder[arm].translation() +
-                           there.mount.ready_from_shoulder.cwiseProduct(
-                               Vector3(1.0, arm == Arm::left ? 1.0 : -1.0, 1.0));
-    // The place that was asked for is that of the sphere's foremost point.
-    const double off_m =
-        (tool.translation() + there.arm.tool_radius_m * tool.linear().col(0) - wanted).norm();
     std::vector<double> ready_deg;
     for (const double q : ready[arm]) ready_deg.push_back(to_deg(q));
+    const auto clear = [&](robot::Surrounding what) -> ordered_json {
+      const double distance_m = room.clear[arm][what];
+      return std::isfinite(distance_m) ? ordered_json(to_mm(distance_m)) : ordered_json();
+    };
     json["ready"][name_of(arm)] = {
         {"q_deg", ready_deg},
-        {"off_mm", to_mm(off_m)},
-        {"limit_room_deg", to_deg(robot::limit_room_rad(there.arm, ready[arm]))}};
-    constexpr double near_m = 10e-3;
+        {"off_mm", to_mm(room.off_m[arm])},
+        {"limit_room_deg", to_deg(robot::limit_room_rad(there.arm, ready[arm]))},
+        {"to_couch_mm", clear(robot::Surrounding::couch)},
+        {"to_body_mm", clear(robot::Surrounding::body)}};
     text += fmt::format(
         "{}, {} arm ready {:.0f} mm from where it should be{}, {:.0f} deg from the "
         "nearest joint end\n",
-        name_of(position), name_of(arm), to_mm(off_m),
-        off_m > near_m ? ": its mount does not suit this arm" : "",
+        name_of(position), name_of(arm), to_mm(room.off_m[arm]),
+        room.off_m[arm] > robot::max_ready_off_m ? ": its mount does not suit this arm" : "",
         to_deg(robot::limit_room_rad(there.arm, ready[arm])));
   }
+  text +=
+      fmt::format("{}, what is nearest to arms that wait: {}\n", name_of(position), room.nearest());
   return json;
 }
 
@@ -96,9 +99,9 @@ class RobotShow final : public Verb {
           fmt::format("{:.0f} to {:.0f}", to_deg(link.min_rad), to_deg(link.max_rad)),
           link.torque_limit_nm, link.speed_limit_rad_per_s, link.mass_kg);
     }
-    text +=
-        fmt::format("stretched {:.0f} mm to the middle of the tool, {:.1f} kg an arm, on a {}\n",
-                    to_mm(reach_m), mass_kg, robot::name_of(model->carrier));
+    text += fmt::format(
+        "links of {:.0f} mm in all to the middle of the tool, {:.1f} kg an arm, on a {}\n",
+        to_mm(reach_m), mass_kg, robot::name_of(model->carrier));
     ordered_json json = {{"name", model->name},
                          {"about", model->about},
                          {"carrier", robot::name_of(model->carrier)},

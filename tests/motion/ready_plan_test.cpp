@@ -18,7 +18,7 @@
 using namespace tuina;
 using test::ready_for;
 
-TEST_CASE("arms that would wait in the robot's own body are refused") {
+TEST_CASE("arms that would wait in the robot's own body, or cannot reach there, are refused") {
   const auto person = sim::parse_person("phantom:medium", BodyPosture::prone, 5).value();
   PointCloud skin_in_couch;
   skin_in_couch.points = person.skin_in_couch.vertices;
@@ -37,11 +37,16 @@ TEST_CASE("arms that would wait in the robot's own body are refused") {
                        .rides = true};
   body.base_from_box.translation() = models[Arm::left].base_from_tool(ready_rad, 0.0).translation();
   placement.mount.obstacles.push_back(body);
-  const auto ready = motion::make_ready(std::move(*plan), *back, placement.mount, models,
-                                        placement.mount.base_from_couch, 40e-3);
-  REQUIRE_FALSE(ready.has_value());
-  CHECK(ready.error().fault == Fault::config);
-  CHECK(ready.error().message.find("the robot's own body") != std::string::npos);
+  const auto refusal = [&] {
+    const auto ready = motion::make_ready(*plan, *back, placement.mount, models,
+                                          placement.mount.base_from_couch, 40e-3);
+    REQUIRE_FALSE(ready.has_value());
+    CHECK(ready.error().fault == Fault::config);
+    return ready.error().message;
+  };
+  CHECK(refusal().find("mm from the robot's own body; ready_mm") != std::string::npos);
+  placement.mount.ready_from_shoulder *= 3.0;
+  CHECK(refusal().find("the left tool can only wait") == 0);
 }
 
 TEST_CASE("whatever the timing, the arms are planned at least 45 mm apart, travel included") {

@@ -84,14 +84,13 @@ TEST_CASE("every robot waits with both arms in their ranges, clear of couch, bod
     CAPTURE(place.head_at_plus_y);
     const auto models = both_models(placement.arm, placement.mount);
     const auto ready = ready_posture(placement.arm, placement.mount);
-    PerArm<ArmModel::Kinematics> pose;
+    const ReadyRoom room = ready_room(models, placement.mount, ready, 0.0);
     for (const Arm arm : both_arms) {
       CHECK(limit_room_rad(placement.arm, ready[arm]) > 0.0);
-      pose[arm] = models[arm].kinematics(ready[arm], 0.0);
-      CHECK(clearances(models[arm], pose[arm], 0.0, placement.mount.obstacles).min_m() > 60e-3);
+      CHECK(room.off_m[arm] < 1e-3);
     }
-    CHECK(distance_between_m(models[Arm::left], pose[Arm::left], models[Arm::right],
-                             pose[Arm::right]) > 60e-3);
+    CAPTURE(room.nearest());
+    CHECK(room.min_m() > 60e-3);
     // The arm that the session calls the left is on the side of the couch's positive x.
     const Transform couch_from_base = placement.mount.base_from_couch.inverse();
     CHECK((couch_from_base * models[Arm::left].shoulder_in_base(0.0)).x() > 0.1);

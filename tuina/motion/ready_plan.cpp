@@ -67,21 +67,6 @@ double ready_height_m(const Stage& stage) {
   return lowest_m;
 }
 
-/// Distance of arms that stand ready from each other, the couch and the robot's body.
-double ready_distance_m(const Stage& stage) {
-  PerArm<robot::ArmModel::Kinematics> pose;
-  double nearest_m = std::numeric_limits<double>::infinity();
-  for (const Arm arm : both_arms) {
-    const robot::ArmModel& model = stage.models.get()[arm];
-    pose[arm] = model.kinematics(stage.ready_rad[arm], stage.rail_m);
-    nearest_m = std::min(
-        nearest_m, robot::clearances(model, pose[arm], stage.rail_m, stage.obstacles).min_m());
-  }
-  return std::min(nearest_m,
-                  robot::distance_between_m(stage.models.get()[Arm::left], pose[Arm::left],
-                                            stage.models.get()[Arm::right], pose[Arm::right]));
-}
-
 /// Fewer paths left out, or as many and a newton less given up.
 bool is_better(const TwoArmSchedule& one, const TwoArmSchedule& other) {
   constexpr double counts_n = 1.0;
@@ -99,12 +84,23 @@ Result<ReadyPlan> make_ready(massage::Plan plan, const body::BackSurface& back,
   ready.ready_rad = robot::ready_posture(models[Arm::left].table(), mount);
   std::stable_sort(ready.plan.paths.begin(), ready.plan.paths.end(),
                    [](const auto& a, const auto& b) { return a.step < b.step; });
-  // A path may be unreachable from every place of the base; the others are then planned from zero.
+  const auto waiting = [&](double at_m) {
+    return robot::ready_room(models, mount, ready.ready_rad, at_m);
+  };
+  const char* const position = name_of(back.position());
+  for (const Arm arm : both_arms) {
+    const double off_m = waiting(0.0).off_m[arm];
+    if (off_m < robot::max_ready_off_m) continue;
+    return fail(Fault::config,
+                "the {} tool can only wait {:.0f} mm from where ready_mm of the robot's [{}] has "
+                "it: out of reach, or past the ends of joints",
+                name_of(arm), to_mm(off_m), position);
+  }
   const double dexterous_m =
       robot::choose_rail({.of = {&models[Arm::left], &models[Arm::right]}}, mount,
                          goals_for_rail(ready.plan, base_from_couch, standoff_m), ready.ready_rad,
                          {.press_depth_m = press_depth_m})
-          .value_or(0.0);
+          .rail_m;
   // Where the tools are most dexterous the arms may collide, so other places are tried too.
   std::vector<double> stands_m;
   const auto offer = [&](double at_m) {
@@ -136,14 +132,13 @@ Result<ReadyPlan> make_ready(massage::Plan plan, const body::BackSurface& back,
   }
   // From there on the guard lets no arm move.
   constexpr double guarded_m = 25_mm;
-  std::erase_if(stands_m,
-                [&](double at_m) { return ready_distance_m(stage_at(at_m)) < guarded_m; });
+  const robot::ReadyRoom first = waiting(stands_m.front());
+  std::erase_if(stands_m, [&](double at_m) { return waiting(at_m).min_m() < guarded_m; });
   if (stands_m.empty()) {
     return fail(Fault::config,
-                "wherever the base stands within reach, an arm that is ready would be less than "
-                "{:.0f} mm from the other one, the couch or the robot's own body: ready_mm and "
-                "ready_near_deg of the robot's mount say where and how arms wait",
-                to_mm(guarded_m));
+                "wherever the base stands within reach, arms wait nearer than {:.0f} mm to "
+                "something: {}; ready_mm and ready_near_deg of the robot's [{}] say where and how",
+                to_mm(guarded_m), first.nearest(), position);
   }
   std::optional<TwoArmSchedule> best;
   constexpr double worth_n = 10.0;  // given up by all paths together; a stand costs a whole plan

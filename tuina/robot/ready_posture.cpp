@@ -1,6 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tuina/robot/ready_posture.hpp"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "tuina/core/units.hpp"
+#include "tuina/robot/clearance.hpp"
 #include "tuina/robot/inverse_kinematics.hpp"
 
 namespace tuina::robot {
@@ -49,6 +55,38 @@ JointVector mirrored(const ArmTable& table, const RobotMount& mount,
                   Eigen::AngleAxisd(link.alpha_rad, Vector3::UnitX());
   }
   return mirror;
+}
+
+double ReadyRoom::min_m() const noexcept {
+  return std::min({between_arms_m, clear[Arm::left].min_m(), clear[Arm::right].min_m()});
+}
+
+std::string ReadyRoom::nearest() const {
+  const double nearest_m = min_m();
+  if (between_arms_m == nearest_m) return fmt::format("the arms {:.0f} mm apart", to_mm(nearest_m));
+  const Arm arm = clear[Arm::left].min_m() == nearest_m ? Arm::left : Arm::right;
+  return fmt::format("the {} arm {:.0f} mm from the {}", name_of(arm), to_mm(nearest_m),
+                     clear[arm][Surrounding::couch] == nearest_m ? "couch" : "robot's own body");
+}
+
+ReadyRoom ready_room(const PerArm<ArmModel>& arms, const RobotMount& mount,
+                     const PerArm<JointVector>& ready_rad, double rail_m) {
+  ReadyRoom room;
+  PerArm<ArmModel::Kinematics> pose;
+  for (const Arm arm : both_arms) {
+    pose[arm] = arms[arm].kinematics(ready_rad[arm], rail_m);
+    room.clear[arm] = clearances(arms[arm], pose[arm], rail_m, mount.obstacles);
+    // The mount says where the sphere's foremost point is to wait.
+    const Transform tool = arms[arm].base_from_tool(ready_rad[arm], rail_m);
+    const Vector3 tip = tool.translation() + arms[arm].table().tool_radius_m * tool.linear().col(0);
+    const Vector3 across(1.0, arm == Arm::left ? 1.0 : -1.0, 1.0);
+    const Vector3 wanted =
+        arms[arm].shoulder_in_base(rail_m) + mount.ready_from_shoulder.cwiseProduct(across);
+    room.off_m[arm] = (tip - wanted).norm();
+  }
+  room.between_arms_m =
+      distance_between_m(arms[Arm::left], pose[Arm::left], arms[Arm::right], pose[Arm::right]);
+  return room;
 }
 
 }  // namespace tuina::robot

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "tuina/robot/arm_table.hpp"
+#include <string>
+
+#include "tuina/robot/arm_model.hpp"
 #include "tuina/robot/mount.hpp"
+#include "tuina/robot/obstacle.hpp"
 
 namespace tuina::robot {
 
@@ -16,5 +19,21 @@ namespace tuina::robot {
 /// from.
 [[nodiscard]] JointVector mirrored(const ArmTable& table, const RobotMount& mount,
                                    const JointVector& q_rad) noexcept;
+
+/// How two arms that wait stand.
+struct ReadyRoom {
+  PerArm<double> off_m;         ///< of each tool from where its mount wants it to wait
+  double between_arms_m = 0.0;  ///< from arm to arm
+  PerArm<Clearances> clear;     ///< of each arm from the couch and the robot's own body
+  [[nodiscard]] double min_m() const noexcept;
+  /// What is nearest, as "the left arm 12 mm from the couch".
+  [[nodiscard]] std::string nearest() const;
+};
+/// Tools farther off wait elsewhere than their mount says: it does not suit the arm.
+inline constexpr double max_ready_off_m = 10e-3;
+
+/// How the arms wait with the linear base at `rail_m`.
+[[nodiscard]] ReadyRoom ready_room(const PerArm<ArmModel>& arms, const RobotMount& mount,
+                                   const PerArm<JointVector>& ready_rad, double rail_m);
 
 }  // namespace tuina::robot
