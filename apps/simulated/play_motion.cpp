@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/simulated/play_motion.hpp"
 
+#include <fmt/format.h>
+
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "apps/cli/asked_to_end.hpp"
 #include "apps/simulated/session_order.hpp"
@@ -126,10 +129,18 @@ Result<PlayedMotion> play_motion(const session::TaughtMotion& motion, const std:
   if (auto driven = session::run_control_loop(stage.robot(), stage.guard(), propose, look); !driven)
     return tl::unexpected(driven.error());
   if (bar) bar(1.0);
-  const auto rms = [](double sum, double count) { return std::sqrt(sum / std::max(1.0, count)); };
+  const auto rms = [](double sum, double count) {
+    return count > 0.0 ? std::sqrt(sum / count) : std::numeric_limits<double>::quiet_NaN();
+  };
   played.tracking_rms_m = rms(way2, static_cast<double>(played.truth.size()));
   played.force_rmse_n = rms(force2, played.contact_s / control_period_s);
   return played;
+}
+
+std::string PlayedMotion::force() const {
+  if (std::isnan(force_rmse_n)) return fmt::format("no force was taught, {:.1f} N at most", peak_n);
+  return fmt::format("force {:.1f} N RMS from what was taught, {:.1f} N at most", force_rmse_n,
+                     peak_n);
 }
 
 }  // namespace tuina::app

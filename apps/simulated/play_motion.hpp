@@ -14,10 +14,13 @@ namespace tuina::app {
 struct PlayedMotion {
   std::vector<TeachRow> truth;
   double tracking_rms_m = 0.0;  ///< the tool from where the taught joints would have it
-  double force_rmse_n = 0.0;    ///< true force against what was felt when it was taught, in contact
+  /// True force against what was felt when it was taught, in contact; NaN where none was felt.
+  double force_rmse_n = 0.0;
   double peak_n = 0.0;
   double contact_s = 0.0;
   std::optional<std::string> stop;  ///< why the guard ended it
+  /// The force in words.
+  [[nodiscard]] std::string force() const;
 };
 
 /// Joint impedance along a taught motion, under the guard; the arm begins where the motion does. It

@@ -202,14 +202,18 @@ std::vector<SentenceLine> session_lines(const record::SessionFile& file) {
                      file.person, name_of(file.position), file.scan.points,
                      to_mm(file.acupoints.mean_error_m), to_mm(file.acupoints.max_error_m))
           : sentence("sum_seen", "{} points scanned, {}", file.scan.points, name_of(file.position));
-  std::vector<SentenceLine> lines = {
-      {scanned},
-      {sentence("sum_massaged",
-                "{} paths in {:.0f} s, force error {:.2f} N RMS, peak {:.1f} N, {:.0f} times real "
-                "time",
-                file.massage.performed.size(), file.massage.duration_s, file.massage.force.rmse_n,
-                file.massage.force.peak_n, file.massage.real_time_factor)}};
-  for (const record::PerformedEntry& done : file.massage.performed) {
+  const auto& massage = file.massage;
+  const Sentence massaged =
+      std::isnan(massage.force.rmse_n)
+          ? sentence("sum_untouched", "{} paths in {:.0f} s, nothing was touched",
+                     massage.performed.size(), massage.duration_s)
+          : sentence("sum_massaged",
+                     "{} paths in {:.0f} s, force error {:.2f} N RMS, peak {:.1f} N, {:.0f} times "
+                     "real time",
+                     massage.performed.size(), massage.duration_s, massage.force.rmse_n,
+                     massage.force.peak_n, massage.real_time_factor);
+  std::vector<SentenceLine> lines = {{scanned}, {massaged}};
+  for (const record::PerformedEntry& done : massage.performed) {
     const Sentence why = done.told_why();
     if (why.empty()) {
       if (done.contact_fault != control::name_of(control::ContactFault::none))

@@ -199,11 +199,9 @@ class TeachPlay final : public Verb {
                                 {{"rmse_n", played->force_rmse_n}, {"peak_n", played->peak_n}}},
                                {"stops", stops}}
                     .dump(2),
-        .text = fmt::format(
-            "{}: {:.1f} s, the tool within {:.1f} mm RMS of where it was led, force "
-            "{:.1f} N RMS from what was taught, {:.1f} N at most{}",
-            motion->name, motion->duration_s(), to_mm(played->tracking_rms_m), played->force_rmse_n,
-            played->peak_n, played->stop ? "\nstopped: " + *played->stop : ""),
+        .text = fmt::format("{}: {:.1f} s, the tool within {:.1f} mm RMS of where it was led, {}{}",
+                            motion->name, motion->duration_s(), to_mm(played->tracking_rms_m),
+                            played->force(), played->stop ? "\nstopped: " + *played->stop : ""),
         .exit_code = played->stop ? 4 : 0};
   }
 

@@ -38,3 +38,9 @@ TEST_CASE("a target that never rests has no settled error") {
   for (int i = 1; i < 500; ++i) sum.add(i * 1e-3, 0.01 * i, 0.01 * i);
   CHECK_FALSE(sum.errors().settled_rmse_n.has_value());
 }
+
+TEST_CASE("where nothing was touched no error is known") {
+  const ForceErrors errors = ForceErrorSum().errors();
+  CHECK(std::isnan(errors.rmse_n));
+  CHECK(errors.peak_n == 0.0);
+}

@@ -30,7 +30,7 @@ inline constexpr auto noise_fields = [](auto& visit, auto& noise) {
 };
 
 inline constexpr auto force_fields = [](auto& visit, auto& errors) {
-  visit("rmse_n", errors.rmse_n);
+  visit.maybe("rmse_n", errors.rmse_n);
   visit("peak_n", errors.peak_n);
   visit("overshoot_n", errors.overshoot_n);
 };

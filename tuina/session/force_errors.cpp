@@ -22,11 +22,8 @@ void ForceErrorSum::add(double time_s, double target_n, double true_force_n) noe
 }
 
 ForceErrors ForceErrorSum::errors() const noexcept {
-  ForceErrors errors{
-      .rmse_n = samples_ > 0 ? std::sqrt(squares_ / static_cast<double>(samples_)) : 0.0,
-      .peak_n = peak_n_,
-      .overshoot_n = overshoot_n_,
-      .settled_rmse_n = {}};
+  ForceErrors errors{.peak_n = peak_n_, .overshoot_n = overshoot_n_, .settled_rmse_n = {}};
+  if (samples_ > 0) errors.rmse_n = std::sqrt(squares_ / static_cast<double>(samples_));
   if (settled_samples_ > 0) {
     errors.settled_rmse_n = std::sqrt(settled_squares_ / static_cast<double>(settled_samples_));
   }

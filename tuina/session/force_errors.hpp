@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <limits>
 #include <optional>
 
 namespace tuina::session {
 
 /// How well a contact force was held: target minus TRUE force, over a technique with its ramps.
 struct ForceErrors {
-  double rmse_n = 0.0;
-  double peak_n = 0.0;       ///< largest true force
+  double rmse_n = std::numeric_limits<double>::quiet_NaN();  ///< NaN where nothing was touched
+  double peak_n = 0.0;                                       ///< largest true force
   double overshoot_n = 0.0;  ///< largest excess of the true force over the target, not below zero
   std::optional<double>
       settled_rmse_n;  ///< RMS error without the 0.3 s after each change of target

@@ -255,13 +255,16 @@ class Press final : public Verb {
     json["estimate"]["converged"] = estimate.converged;
     json["estimate"]["converged_after_s"] =
         estimate.converged ? nlohmann::json(estimate.converged_after_s) : nlohmann::json();
+    const std::string held =
+        std::isnan(force.rmse_n)
+            ? "nothing was touched"
+            : fmt::format("force error {:.2f} N rms, peak {:.1f} N", force.rmse_n, force.peak_n);
     return {.json = json.dump(2),
-            .text = fmt::format("{} with {:.0f} N, controller {}: force error {:.2f} N rms, peak "
-                                "{:.1f} N, tissue alpha "
+            .text = fmt::format("{} with {:.0f} N, controller {}: {}, tissue alpha "
                                 "{:.2f} N beta {:.4f} /mm (true {:.2f}, {:.4f}){}{}",
-                                technique_, force_n_, controller_, force.rmse_n, force.peak_n,
-                                estimate.tissue.alpha_n, 1e-3 * estimate.tissue.beta_per_m,
-                                tissue.alpha_n, 1e-3 * tissue.beta_per_m,
+                                technique_, force_n_, controller_, held, estimate.tissue.alpha_n,
+                                1e-3 * estimate.tissue.beta_per_m, tissue.alpha_n,
+                                1e-3 * tissue.beta_per_m,
                                 estimate.converged ? "" : ", not converged", stopped),
             .exit_code = outcome.stopped ? 4 : 0};
   }
