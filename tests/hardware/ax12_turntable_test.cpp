@@ -89,7 +89,7 @@ TEST_CASE("a motor behind an adapter is swept as well, with the laser at the lin
   {
     auto unit = Ax12Turntable::open(device.device());
     REQUIRE_MESSAGE(unit.has_value(), test::reason(unit));
-    CHECK((*unit)->who() == "AX-12A (model 12)");
+    CHECK((*unit)->who() == "AX-12A (model 12), stands at count 512");
     REQUIRE((*unit)->sweep(-6.0_deg, 6.0_deg, speed_rad_per_s).has_value());
     CHECK_FALSE(dtr_is_high);
     REQUIRE((*unit)->switch_laser(true).has_value());

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tuina/hardware/ax12_turntable.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -34,11 +36,11 @@ Result<std::unique_ptr<Ax12Turntable>> Ax12Turntable::open(const TurntableDevice
   if (!servo) return tl::unexpected(servo.error());
   const auto told = servo->poll(false);
   if (!told) return tl::unexpected(told.error());
-  return std::unique_ptr<Ax12Turntable>(new Ax12Turntable(std::move(*servo)));
+  return std::unique_ptr<Ax12Turntable>(new Ax12Turntable(std::move(*servo), told->count));
 }
 
-Ax12Turntable::Ax12Turntable(YawServo servo)
-    : servo_(std::move(servo)), last_told_at_(Clock::now()) {
+Ax12Turntable::Ax12Turntable(YawServo servo, int count)
+    : servo_(std::move(servo)), opened_at_count_(count), last_told_at_(Clock::now()) {
   thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
 }
 
@@ -50,7 +52,7 @@ Ax12Turntable::~Ax12Turntable() {
 
 std::string Ax12Turntable::who() const {
   const std::lock_guard lock(mutex_);
-  return servo_.who();
+  return fmt::format("{}, stands at count {}", servo_.who(), opened_at_count_);
 }
 
 double Ax12Turntable::yaw_of(int count) const {

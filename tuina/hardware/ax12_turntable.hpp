@@ -35,12 +35,12 @@ class Ax12Turntable final : public scanner::Turntable {
   [[nodiscard]] Result<bool> arrived() const override;
   [[nodiscard]] Result<void> switch_laser(bool on) override;
   [[nodiscard]] Result<std::vector<scanner::YawReading>> readings() const override;
-  /// Which board and motor answered, for people.
+  /// Which board and motor answered, and where the motor stood when it was opened, for people.
   [[nodiscard]] std::string who() const;
 
  private:
   using Clock = SerialPort::Clock;
-  explicit Ax12Turntable(YawServo servo);
+  Ax12Turntable(YawServo servo, int count);
   [[nodiscard]] Result<void> begin_at(double yaw_rad);
   [[nodiscard]] Result<int> count_of(double yaw_rad) const;
   [[nodiscard]] double yaw_of(int count) const;
@@ -52,6 +52,7 @@ class Ax12Turntable final : public scanner::Turntable {
 
   mutable std::mutex mutex_;  // guards all below
   YawServo servo_;
+  int opened_at_count_;
   std::optional<Error> failure_;
   Clock::time_point last_told_at_;
   bool want_lit_ = false;
