@@ -112,10 +112,11 @@ class Serve final : public Verb {
                                 .reach = ros2_.reach()});
     if (!site) return tl::unexpected(site.error());
     end_when_asked(AskedAgain::is_nothing_new);
-    const std::string lines = fmt::format("{}\n{}  (Foxglove, Lichtblick: docs/page.md)\n",
-                                          (*site)->invite(), (*site)->program_address());
-    std::fputs(lines.c_str(), common.json ? stderr : stdout);
-    std::fflush(nullptr);
+    std::fputs(((*site)->invite() + "\n").c_str(), common.json ? stderr : stdout);
+    std::fflush(stdout);
+    std::fputs(fmt::format("{}  (Foxglove, Lichtblick: docs/page.md)\n", (*site)->program_address())
+                   .c_str(),
+               stderr);
     while (!asked_to_end()) {
       std::this_thread::sleep_for(std::chrono::milliseconds(50));
       if (report_) report_->now(doing((*site)->session().state()));

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """A server of `tuina serve` and pages of it, without a browser: plain HTTP and RFC 6455 over sockets."""
-import atexit, base64, json, os, re, signal, socket, struct, subprocess, threading, time
+import atexit, base64, json, os, re, signal, socket, struct, subprocess, sys, threading, time
 
 
 class Server:
@@ -11,12 +11,21 @@ class Server:
         """With `tls`, the context of a client of TLS, the server is reached by that at the address `at`."""
         self.folder, self.tls, self.at = folder, tls, at
         self.process = subprocess.Popen([binary, verb, "--port", str(port), "--out", folder, *options],
-                                        stdout=subprocess.PIPE, text=True)
+                                        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         atexit.register(self.process.kill)  # whoever waits for the output of a test waits for its server, too
         self.address = self.process.stdout.readline().strip()
         self.host, self.token = re.fullmatch(r"https?://([a-z0-9.]+:\d+)/\?token=([0-9a-f]{64})", self.address).groups()
         self.origin, self.port = self.address.partition("/?")[0], int(self.host.partition(":")[2])
-        self.program_address = self.process.stdout.readline().split()[0] if verb == "serve" else None
+        heard = map(self.hear, self.process.stderr)
+        self.program_address = next(filter(None, heard), None) if verb == "serve" else None
+        threading.Thread(target=lambda: [*heard], daemon=True).start()
+
+    @staticmethod
+    def hear(line):
+        """Tells on what the server says on stderr. The address of its door for other programs, where that is said."""
+        sys.stderr.write(line)
+        found = re.match(r"wss?://\S+", line)
+        return found[0] if found else None
 
     def connect(self, seconds=60):
         link = socket.create_connection((self.at, self.port), seconds)
