@@ -105,6 +105,10 @@ std::vector<std::string> advice(const Calibrated& result, const Views& views) {
                                     views.board_pictures));
   }
   sentences.insert(sentences.end(), result.remarks.begin(), result.remarks.end());
+  sentences.push_back(fmt::format(
+      "All lengths are those of squares of {:g} mm, and no picture shows whether that is right: "
+      "scan a ball or a box of known size (tuina scan --check-sphere, --check-box).",
+      to_mm(views.board.square_m)));
   return sentences;
 }
 

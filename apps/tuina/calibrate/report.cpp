@@ -122,10 +122,7 @@ std::string calibration_report(const Calibrated& result, const Views& views,
                                             "board",
                                             folder, result.poses, views.board_pictures)});
   page.opening().tiles(tiles(result));
-  std::vector<std::string> next = advice(result, views);
-  if (next.empty())
-    next = {"Nothing stands out. Scan an object of known size to be sure of sign and scale."};
-  page.section("What to improve next").list(next);
+  page.section("What to improve next").list(advice(result, views));
   page.section(
           "Where the boards were",
           "Red boards were near, blue ones far. Left: what the camera saw, with the laser line "
