@@ -80,7 +80,10 @@ def written(found, build, page):
 
 def main(build, pages):
     os.makedirs(KEPT, exist_ok=True)
-    for page in pages or sorted(name for name in os.listdir(f"{ROOT}/docs") if name.endswith(".md")):
+    known = sorted(name for name in os.listdir(f"{ROOT}/docs") if name.endswith(".md"))
+    for page in pages or known:
+        if page.removeprefix("docs/") not in known:
+            sys.exit(f"docs has no page {page}; one is called as {known[0]}")
         path = f"{ROOT}/docs/{page.removeprefix('docs/')}"
         with open(path, encoding="utf-8") as file:
             text = file.read()
