@@ -24,10 +24,6 @@ if(TUINA_SANITIZE)
     -fsanitize=${TUINA_SANITIZE} -fno-sanitize-recover=all)
   target_link_options(tuina_flags INTERFACE -fsanitize=${TUINA_SANITIZE})
 endif()
-if(TUINA_COVERAGE)
-  target_compile_options(tuina_flags INTERFACE --coverage -O0)
-  target_link_options(tuina_flags INTERFACE --coverage)
-endif()
 
 # Programs and tests spend their time in the rooms, so what is only theirs is compiled quickly instead.
 add_library(tuina_app_flags INTERFACE)
