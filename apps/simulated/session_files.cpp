@@ -180,9 +180,10 @@ Result<void> write_session(const SessionResult& result, const session::Config& c
   // The page is made of the record, as `tuina report` makes it again.
   const auto report = record::read_record(folder);
   if (!report) return tl::unexpected(report.error());
-  if (auto written = write_file(folder / "back.svg", telemetry::back_picture(*report)); !written)
-    return written;
-  return write_file(folder / "report.html", telemetry::report_page(*report));
+  std::string back_svg;
+  const std::string page = telemetry::report_page(*report, &back_svg);
+  if (auto written = write_file(folder / "back.svg", back_svg); !written) return written;
+  return write_file(folder / "report.html", page);
 }
 
 Result<void> finish_record(SessionResult& result, const std::filesystem::path& folder) {

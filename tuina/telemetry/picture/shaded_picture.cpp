@@ -2,10 +2,12 @@
 #include "tuina/telemetry/picture/shaded_picture.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
 
 #include "tuina/core/grid.hpp"
+#include "tuina/core/parallel.hpp"
 #include "tuina/telemetry/picture/ray_picture.hpp"
 
 namespace tuina::telemetry {
@@ -54,18 +56,24 @@ class SquareMean {
   std::vector<Eigen::Vector2d> sums_;  // of values and of how many there are, up to each pixel
 };
 
+/// What is around a pixel, the same for all samples of it.
+struct Surroundings {
+  std::array<float, 3> depth_m;  ///< mean depth at three scales
+  float key_share;               ///< of the key light
+};
+
+struct Scale {
+  float radius_m, gain;
+};
+constexpr std::array scales = {Scale{0.010F, 110.F}, Scale{0.030F, 60.F}, Scale{0.08F, 20.F}};
+
 /// How hollow a place is at three scales: the mean depth around it against its own, in metres.
 /// After T. Luft et al., Image Enhancement by Unsharp Masking the Depth Buffer (2006), which stands
 /// in for ambient occlusion.
-float hollowness(const SquareMean& depth, int x, int y, float here, float px_per_m) {
-  struct Scale {
-    float radius_m, gain;
-  };
+float hollowness(const Surroundings& around, float here) {
   float hollow = 0.F;
-  for (const Scale scale : {Scale{0.010F, 110.F}, Scale{0.030F, 60.F}, Scale{0.08F, 20.F}}) {
-    const int radius = std::max(1, static_cast<int>(scale.radius_m * px_per_m));
-    hollow += std::clamp(scale.gain * (depth.around(x, y, radius) - here), -0.16F, 0.45F);
-  }
+  for (std::size_t k = 0; k < scales.size(); ++k)
+    hollow += std::clamp(scales[k].gain * (around.depth_m[k] - here), -0.16F, 0.45F);
   return hollow;
 }
 
@@ -93,7 +101,8 @@ Light lit_colour(const Eigen::Vector3f& normal, const Light& albedo, bool skin, 
   const Eigen::Vector3f half_way = (key_direction + to_eye).normalized();
   const float gloss = std::pow(std::max(0.F, normal.dot(half_way)), skin ? 14.F : 40.F) *
                       key_share * (skin ? 0.055F : 0.16F);
-  const float rim = std::pow(1.F - std::clamp(normal.z(), 0.F, 1.F), 3.F) * 0.10F * open;
+  const float away = 1.F - std::clamp(normal.z(), 0.F, 1.F);
+  const float rim = away * away * away * 0.10F * open;
   return 0.60F * light.cwiseProduct(albedo) + Light::Constant(gloss) +
          rim * Light(1.F, 0.96F, 0.92F);
 }
@@ -118,14 +127,22 @@ class Painter {
       discs_.push_back({projection.in_view(disc.at).cast<float>(),
                         static_cast<float>(disc.radius_m), Light(light[0], light[1], light[2])});
     }
-    first_.reserve(grid_cells(height_, width_));
+    first_.resize(grid_cells(height_, width_));
+    std::vector<std::optional<float>> key_shares(first_.size());
+    for_each_in_parallel(static_cast<std::size_t>(height_), [&](std::size_t row) {
+      const int y = static_cast<int>(row);
+      for (int x = 0; x < width_; ++x) {
+        auto& sample = first_[index(x, y)];
+        sample = rays_.seen_through(static_cast<float>(x) + 0.5F, static_cast<float>(y) + 0.5F);
+        if (sample && sample->skin) key_shares[index(x, y)] = key_share(sample->at);
+      }
+    });
     for (int y = 0; y < height_; ++y) {
       for (int x = 0; x < width_; ++x) {
-        const auto& sample = first_.emplace_back(
-            rays_.seen_through(static_cast<float>(x) + 0.5F, static_cast<float>(y) + 0.5F));
+        const auto& sample = first_[index(x, y)];
         const bool skin = sample && sample->skin;
         depth_.add(x, y, skin ? std::optional(sample->at.z()) : std::nullopt);
-        key_.add(x, y, skin ? std::optional(key_share(sample->at)) : std::nullopt);
+        key_.add(x, y, key_shares[index(x, y)]);
       }
     }
   }
@@ -133,9 +150,11 @@ class Painter {
   [[nodiscard]] Colour pixel(int x, int y) const {
     Light sum = Light::Zero();
     float covered = 0.F;
+    std::optional<Surroundings> around;
     const auto add = [&](const std::optional<Sample>& sample, float share) {
       if (!sample) return;
-      sum += share * sample->cover * lit(*sample, x, y);
+      if (sample->skin && !around) around = around_pixel(x, y);
+      sum += share * sample->cover * (sample->skin ? lit_skin(*sample, *around) : lit(*sample));
       covered += share * sample->cover;
     };
     constexpr int all = samples_per_pixel * samples_per_pixel;
@@ -182,6 +201,8 @@ class Painter {
   /// How much a disc tints a place of the skin: more in its rim, and softly over a pixel.
   [[nodiscard]] float share_of(const FlatDisc& disc, const Eigen::Vector3f& at) const {
     const Eigen::Vector3f away = at - disc.at;
+    const float reaches_m = disc.radius_m + 0.5F / px_per_m_;
+    if (away.head<2>().squaredNorm() > reaches_m * reaches_m) return 0.F;
     const float inward_m = disc.radius_m - std::hypot(away.head<2>().norm(), 0.7F * away.z());
     const auto past = [&](float m) {
       return std::clamp((inward_m - m) * px_per_m_ + 0.5F, 0.F, 1.F);
@@ -189,16 +210,25 @@ class Painter {
     return 0.8F * past(0.F) - 0.5F * past(0.0012F);
   }
 
-  [[nodiscard]] Light lit(const Sample& sample, int x, int y) const {
-    if (!sample.skin)
-      return lit_colour(sample.normal, sample.albedo, false, key_share(sample.at), 0.F)
-          .unaryExpr(&exposed);
+  [[nodiscard]] Light lit(const Sample& sample) const {
+    return lit_colour(sample.normal, sample.albedo, false, key_share(sample.at), 0.F)
+        .unaryExpr(&exposed);
+  }
+
+  [[nodiscard]] Surroundings around_pixel(int x, int y) const {
+    const auto pixels = [&](float m) { return std::max(1, static_cast<int>(m * px_per_m_)); };
+    // The edge of a shadow is soft over a few millimetres, as of a wide lamp.
+    Surroundings around{.depth_m = {}, .key_share = key_.around(x, y, pixels(0.004F))};
+    for (std::size_t k = 0; k < scales.size(); ++k)
+      around.depth_m[k] = depth_.around(x, y, pixels(scales[k].radius_m));
+    return around;
+  }
+
+  [[nodiscard]] Light lit_skin(const Sample& sample, const Surroundings& around) const {
     Light albedo = sample.albedo;
     for (const FlatDisc& disc : discs_) albedo += share_of(disc, sample.at) * (disc.tint - albedo);
-    // The edge of a shadow is soft over a few millimetres, as of a wide lamp.
-    const int soft = std::max(1, static_cast<int>(0.004F * px_per_m_));
-    return lit_colour(sample.normal, albedo, true, key_.around(x, y, soft),
-                      hollowness(depth_, x, y, sample.at.z(), px_per_m_))
+    return lit_colour(sample.normal, albedo, true, around.key_share,
+                      hollowness(around, sample.at.z()))
         .unaryExpr(&exposed);
   }
 
@@ -212,44 +242,6 @@ class Painter {
 
 }  // namespace
 
-Projection::Projection(const View& view, const std::vector<Vector3>& seen)
-    : distance_m_(view.distance_m) {
-  const Vector3 forward = view.toward_eye.normalized();
-  const Vector3 right = view.up.cross(forward).normalized();
-  view_from_world_ << right.transpose(), forward.cross(right).transpose(), forward.transpose();
-  Eigen::AlignedBox3d around;
-  for (const Vector3& place : seen) around.extend(place);
-  if (!seen.empty()) centre_ = around.center();
-  // The eye stays well in front of whatever is seen.
-  distance_m_ = std::max(distance_m_, 1.2 * around.sizes().norm());
-  Eigen::AlignedBox2d on_screen;
-  for (const Vector3& place : seen) {
-    const Vector3 p = view_from_world_ * (place - centre_);
-    on_screen.extend(Vector2(p.x(), -p.y()) / (distance_m_ - p.z()));
-  }
-  const Vector2 size = seen.empty() ? Vector2(1, 1) : Vector2(on_screen.sizes().cwiseMax(1e-9));
-  scale_ = std::min((view.width_px - 2 * view.margin_px) / size.x(),
-                    (view.height_px - 2 * view.margin_px) / size.y());
-  if (!seen.empty()) shift_px_ = Vector2::Constant(view.margin_px) - scale_ * on_screen.min();
-  width_px_ = static_cast<int>(std::ceil(scale_ * size.x() + 2 * view.margin_px));
-  height_px_ = static_cast<int>(std::ceil(scale_ * size.y() + 2 * view.margin_px));
-}
-
-Vector3 Projection::in_view(const Vector3& place) const {
-  return view_from_world_ * (place - centre_);
-}
-
-Vector3 Projection::ray(double column, double row) const {
-  const Vector2 at = (Vector2(column, row) - shift_px_) / scale_;
-  return {at.x(), -at.y(), -1.0};
-}
-
-Vector3 Projection::operator()(const Vector3& place) const {
-  const Vector3 p = in_view(place);
-  const Vector2 at = shift_px_ + scale_ * Vector2(p.x(), -p.y()) / (distance_m_ - p.z());
-  return {at.x(), at.y(), p.z()};
-}
-
 ShadedPicture shade(const Scene& scene, const View& view) {
   assert(!scene.surface.mesh.triangles.empty());
   std::vector<Vector3> seen = scene.in_frame;
@@ -261,7 +253,8 @@ ShadedPicture shade(const Scene& scene, const View& view) {
   const int height = picture.projection.height_px();
   const Painter painter(scene, picture.projection);
   picture.image = Image(width, height, 3);
-  for (int y = 0; y < height; ++y) {
+  for_each_in_parallel(static_cast<std::size_t>(height), [&](std::size_t row) {
+    const int y = static_cast<int>(row);
     std::uint8_t* out = picture.image.row(y);
     for (int x = 0; x < width; ++x) {
       const Colour colour = painter.pixel(x, y);
@@ -269,7 +262,7 @@ ShadedPicture shade(const Scene& scene, const View& view) {
       *out++ = colour.green;
       *out++ = colour.blue;
     }
-  }
+  });
   return picture;
 }
 

@@ -11,7 +11,7 @@
 namespace tuina::telemetry {
 namespace {
 
-constexpr double cell_width = 52.0, cell_height = 30.0, top = 34.0, below = 46.0;
+constexpr double cell_width = 52.0, cell_height = 30.0, above = 34.0, below = 46.0;
 
 /// Room for the longest of the ticks beside the rows.
 double left_of(const HeatMap& map) {
@@ -25,7 +25,7 @@ double width_of(const HeatMap& map) {
 }
 
 double height_of(const HeatMap& map) {
-  return top + cell_height * static_cast<double>(map.y_ticks.size()) + below;
+  return above + cell_height * static_cast<double>(map.y_ticks.size()) + below;
 }
 
 std::string value_text(double value) {
@@ -45,7 +45,7 @@ std::string cells(const HeatMap& map) {
   const std::size_t columns = map.x_ticks.size(), rows = map.y_ticks.size();
   const double left = left_of(map);
   for (std::size_t row = 0; row < rows; ++row) {
-    const double y = top + cell_height * static_cast<double>(rows - 1 - row);
+    const double y = above + cell_height * static_cast<double>(rows - 1 - row);
     for (std::size_t column = 0; column < columns; ++column) {
       const double value = map.values[row * columns + column];
       const double x = left + cell_width * static_cast<double>(column);
@@ -64,7 +64,7 @@ std::string cells(const HeatMap& map) {
     }
     svg += text_at(left - 8, y + cell_height / 2 + 4, "end", css(palette::grey), map.y_ticks[row]);
   }
-  const double under = top + cell_height * static_cast<double>(rows);
+  const double under = above + cell_height * static_cast<double>(rows);
   for (std::size_t column = 0; column < columns; ++column) {
     svg += text_at(left + cell_width * (static_cast<double>(column) + 0.5), under + 16, "middle",
                    css(palette::grey), map.x_ticks[column]);

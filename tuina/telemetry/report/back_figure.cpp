@@ -51,20 +51,31 @@ void spread(std::vector<Label>& labels, double top, double bottom) {
   }
 }
 
-/// The rendered picture with a column of labels on either side. One unit of the drawing is two
-/// pixels of the picture, so that it stays sharp on fine screens and on paper. `key` is one line of
-/// drawing beneath.
-std::string compose(const ShadedPicture& picture, std::vector<Label> labels,
-                    const std::string& title, const std::string& key = {}) {
+constexpr double labels_width = 122.0;  // of one column
+
+/// The rendered picture as an element of a drawing, of which one unit is two pixels of the picture,
+/// so that it stays sharp on fine screens and on paper.
+struct Drawing {
+  std::string element;
+  double width = 0.0, height = 0.0;
+};
+
+Drawing drawing_of(const ShadedPicture& picture) {
+  return {.element = picture_element(picture, labels_width),
+          .width = picture.image.width / 2.0,
+          .height = picture.image.height / 2.0};
+}
+
+/// The picture with a column of labels on either side. `key` is one line of drawing beneath.
+std::string compose(const Drawing& picture, std::vector<Label> labels, const std::string& title,
+                    const std::string& key = {}) {
   constexpr double key_height = 34.0;
-  constexpr double side = 122.0;
-  const double width = picture.image.width / 2.0;
-  const double height = picture.image.height / 2.0;
+  const double width = picture.width, height = picture.height;
   std::vector<Label> left;
   std::vector<Label> right;
   for (Label& label : labels) {
     const bool is_left = label.at.x() < 0.497 * width;
-    label.at.x() += side;
+    label.at.x() += labels_width;
     (is_left ? left : right).push_back(std::move(label));
   }
   spread(left, 24, height - 24);
@@ -76,13 +87,13 @@ std::string compose(const ShadedPicture& picture, std::vector<Label> labels,
       "class=\"back\" font-family=\"Inter,system-ui,-apple-system,'Segoe "
       "UI',Helvetica,Arial,sans-serif\" font-size=\"12.5\" fill=\"{3}\">"
       "<title>{2}</title>{4}",
-      width + 2 * side, height + (key.empty() ? 0.0 : key_height), escaped(title),
-      css(palette::ink), picture_element(picture, side));
+      width + 2 * labels_width, height + (key.empty() ? 0.0 : key_height), escaped(title),
+      css(palette::ink), picture.element);
   if (!key.empty())
-    svg +=
-        fmt::format("<g transform=\"translate({:.1f} {:.1f})\">{}</g>", side, height + 20.0, key);
+    svg += fmt::format("<g transform=\"translate({:.1f} {:.1f})\">{}</g>", labels_width,
+                       height + 20.0, key);
   const auto draw = [&](const Label& label, bool is_left) {
-    const double edge = is_left ? side - 8 : side + width + 8;
+    const double edge = is_left ? labels_width - 8 : labels_width + width + 8;
     const char* anchor = is_left ? "end" : "start";
     const double text_x = is_left ? edge - 4 : edge + 4;
     svg += fmt::format(
@@ -137,11 +148,11 @@ bool is_one_of_seven(const std::string& name) {
 
 }  // namespace
 
-std::string back(const ReportData& data, const std::vector<KeyEntry>& key) {
+BackFigure back(const ReportData& data, const std::vector<KeyEntry>& key) {
   const BackPose pose = pose_of(data);
   Scene scene;
   scene.surface = person_of(data, pose);
-  if (scene.surface.mesh.triangles.empty()) return "";
+  if (scene.surface.mesh.triangles.empty()) return {};
   for (const PerformedPath& performed : data.paths) {
     const ContactPath& path = performed.path;
     if (path.points.empty()) continue;
@@ -175,8 +186,10 @@ std::string back(const ReportData& data, const std::vector<KeyEntry>& key) {
          .remark = fmt::format("{} ± {:.0f} mm", data.language(chinese_name(point.name)),
                                to_mm(point.uncertainty_m))});
   }
-  return compose(picture, std::move(labels),
-                 data.language("The scanned back with acupoints and paths"), key_line(key));
+  const std::string title = data.language("The scanned back with acupoints and paths");
+  const Drawing drawing = drawing_of(picture);
+  return {.plain = compose(drawing, labels, title),
+          .with_key = compose(drawing, labels, title, key_line(key))};
 }
 
 std::string tissue(const ReportData& data, double scale_n_per_mm) {
@@ -206,7 +219,7 @@ std::string tissue(const ReportData& data, double scale_n_per_mm) {
                       .remark = fmt::format("{:.1f} ± {:.1f} N/mm", felt.stiffness_n_per_mm,
                                             felt.stiffness_ci95_n_per_mm)});
   }
-  return compose(picture, std::move(labels),
+  return compose(drawing_of(picture), labels,
                  data.language("The back coloured by the estimated stiffness of its tissue")) +
          hardness_bar_svg(0.0, hardest,
                           data.language("stiffness under {:.0f} N, N/mm", data.stiffness_force_n));

@@ -11,8 +11,13 @@
 /// draw.
 namespace tuina::telemetry::figures {
 
-/// The scanned back with acupoints, their uncertainty and every path; the key stands beneath.
-[[nodiscard]] std::string back(const ReportData& data, const std::vector<KeyEntry>& key = {});
+/// The scanned back with acupoints, their uncertainty and every path: drawn once, and once more
+/// with the key beneath it.
+struct BackFigure {
+  std::string plain, with_key;
+};
+/// Draws both.
+[[nodiscard]] BackFigure back(const ReportData& data, const std::vector<KeyEntry>& key);
 
 /// The scanned back, coloured by the stiffness map, plain where it is blank. The scale ends at the
 /// hardest place, or at `scale_n_per_mm` where that is more, so that maps can be compared.

@@ -72,9 +72,8 @@ Table acupoint_table(const ReportData& data, bool worked_on) {
   return table;
 }
 
-void add_back(Page& page, const ReportData& data) {
+void add_back(Page& page, const ReportData& data, const std::string& figure) {
   const Language& say = data.language;
-  const std::string figure = figures::back(data);
   Part picture, points;
   if (figure.empty()) {
     picture.note(say("There is no scan to show."));
@@ -177,10 +176,12 @@ PageHead head_of(const ReportData& data) {
 
 }  // namespace
 
-std::string report_page(const ReportData& data) {
+std::string report_page(const ReportData& data, std::string* back_svg) {
   Page page(head_of(data));
   page.opening().tiles(tiles(data));
-  add_back(page, data);
+  figures::BackFigure back = figures::back(data, technique_key(data));
+  add_back(page, data, back.plain);
+  if (back_svg != nullptr) *back_svg = std::move(back.with_key);
   add_conduct(page, data);
   add_given(page, data);
   add_forces(page, data);
@@ -196,7 +197,7 @@ std::string report_page(const ReportData& data) {
 }
 
 std::string back_picture(const ReportData& data) {
-  return figures::back(data, technique_key(data));
+  return figures::back(data, technique_key(data)).with_key;
 }
 
 }  // namespace tuina::telemetry
