@@ -32,7 +32,7 @@ endfunction()
 # A first build is shorter when four sources of a room are compiled as one, since what they share is read and
 # instantiated once; a build after a change is shorter without.
 # Sources of these rooms give things of their own the same names, so each is compiled alone.
-set(TUINA_COMPILED_ALONE sim tissue safety)
+set(TUINA_COMPILED_ALONE tissue safety)
 option(TUINA_UNITY "Compile the sources of a room in batches" OFF)
 function(tuina_in_batches target)
   set_target_properties(${target} PROPERTIES UNITY_BUILD ${TUINA_UNITY} UNITY_BUILD_BATCH_SIZE 4)

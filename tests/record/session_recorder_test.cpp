@@ -30,7 +30,7 @@ namespace mcap = telemetry::mcap;
 
 namespace {
 
-const robot::RobotModel& thesis_robot() {
+const robot::RobotModel& recorded_robot() {
   static const robot::RobotModel model = robot::load_robot("thesis").value();
   return model;
 }
@@ -41,7 +41,7 @@ std::unique_ptr<SessionRecorder> recorder_for(const std::filesystem::path& file)
                                           .version = "0",
                                           .order = {.person = "somebody \xff"},
                                           .answered_by = "somebody",
-                                          .robot = thesis_robot()},
+                                          .robot = recorded_robot()},
                                          {{"config.toml", "[scan]\n"}});
   REQUIRE_MESSAGE(recorder.has_value(), test::reason(recorder));
   return std::move(*recorder);
@@ -91,7 +91,7 @@ TEST_CASE(
   CHECK(read.contents.attachment("robot.urdf") != nullptr);
   CHECK(read.contents.attachment("config.toml")->data.bytes == "[scan]\n");
 
-  const auto stand = robot::place_robot(thesis_robot(), BodyPosture::sitting, true);
+  const auto stand = robot::place_robot(recorded_robot(), BodyPosture::sitting, true);
   const auto models = robot::both_models(stand.arm, stand.mount);
   for (std::uint64_t ms = 0; ms < count; ms += 100) {
     CAPTURE(ms);
@@ -324,7 +324,7 @@ TEST_CASE("a millisecond that cannot be told is counted as missing, and the sess
       if (full) throw std::runtime_error("no room");
     }
   } sink;
-  SessionChannels channels(sink, {.robot = thesis_robot()});
+  SessionChannels channels(sink, {.robot = recorded_robot()});
   tell_beginning(channels);
   channels.on_tick(tick_at(0));
   sink.full = true;

@@ -11,17 +11,11 @@
 
 using namespace tuina;
 using namespace tuina::telemetry;
+using tests::count;
 using tests::holds;
 using tests::words_of;
 
 namespace {
-
-std::size_t count(const std::string& page, std::string_view words) {
-  std::size_t times = 0;
-  for (std::size_t at = page.find(words); at != std::string::npos; at = page.find(words, at + 1))
-    ++times;
-  return times;
-}
 
 /// Made once: its pictures take most of the time of this suite.
 const std::string& sample_page() {

@@ -4,22 +4,17 @@
 #include <doctest/doctest.h>
 
 #include "tests/telemetry/sample_report.hpp"
+#include "tests/telemetry/words.hpp"
 #include "tuina/telemetry/report/figures.hpp"
 
 using namespace tuina;
 using namespace tuina::telemetry;
+using tests::count;
 
 namespace {
 
 PerformedPath done(Arm arm, double begin_s, double end_s) {
   return {.arm = arm, .begin_s = begin_s, .path = {.name = "press"}, .end_s = end_s};
-}
-
-std::size_t count(const std::string& text, std::string_view words) {
-  std::size_t times = 0;
-  for (std::size_t at = text.find(words); at != std::string::npos; at = text.find(words, at + 1))
-    ++times;
-  return times;
 }
 
 }  // namespace

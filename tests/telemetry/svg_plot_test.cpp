@@ -8,18 +8,10 @@
 #include <cstdio>
 #include <limits>
 
+#include "tests/telemetry/words.hpp"
+
 using namespace tuina::telemetry;
-
-namespace {
-
-std::size_t count(const std::string& svg, std::string_view words) {
-  std::size_t times = 0;
-  for (std::size_t at = svg.find(words); at != std::string::npos; at = svg.find(words, at + 1))
-    ++times;
-  return times;
-}
-
-}  // namespace
+using tuina::tests::count;
 
 TEST_CASE("the ticks of an axis are round numbers within it") {
   CHECK(ticks(0.0, 10.0, 5) == std::vector<double>{0.0, 2.0, 4.0, 6.0, 8.0, 10.0});

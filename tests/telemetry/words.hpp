@@ -32,4 +32,12 @@ inline std::string words_of(const std::string& html) {
   return words;
 }
 
+/// How often the words stand in a text.
+inline std::size_t count(const std::string& text, std::string_view words) {
+  std::size_t times = 0;
+  for (std::size_t at = text.find(words); at != std::string::npos; at = text.find(words, at + 1))
+    ++times;
+  return times;
+}
+
 }  // namespace tuina::tests

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double sample_s = 1e-3;
 constexpr int substeps = 4;
-constexpr double step_s = sample_s / substeps;
+constexpr double substep_s = sample_s / substeps;
 constexpr double force_noise_n = 0.2, position_noise_m = 0.05_mm;
 
 /// The force wanted: one press of its way, `share` of its duration gone.
@@ -55,7 +55,7 @@ struct BreathingSkin {
   }
   /// Towards the tool as the person breathes in: the skin goes to smaller positions.
   double step(Random& random) {
-    phase += breath.rate_hz * step_s;
+    phase += breath.rate_hz * substep_s;
     if (phase >= 1.0) {
       phase -= 1.0;
       breath = draw_breath(usual, random);
@@ -176,7 +176,7 @@ WorldPresses press_in_world(const TissueWorld& world, Pressing pressing, Tangent
             1.0 + (press == 0 ? world.first_press_stiffer : 0.0) +
             (tenses ? world.tensing_share * tensed(since_s - tense_s, tense_for_s) : 0.0);
         const double travel_m = tool_m - skin_m - breathing.step(random);
-        force_n = living.press(here, travel_m, speed_m_per_s, stiffer, step_s);
+        force_n = living.press(here, travel_m, speed_m_per_s, stiffer, substep_s);
         // A force controller of some 10 Hz; between presses it waits 2 mm above.
         constexpr double m_per_ns = 0.004, max_m_per_s = 50_mm, approach_m_per_s = 8_mm;
         const bool waits = wanted_n < 0.05 && force_n <= 0.0;
@@ -185,8 +185,8 @@ WorldPresses press_in_world(const TissueWorld& world, Pressing pressing, Tangent
         if (!waits && force_n <= 0.0) wanted_m_per_s += approach_m_per_s;
         wanted_m_per_s = std::clamp(wanted_m_per_s, -max_m_per_s, max_m_per_s);
         constexpr double lag_s = 5e-3;
-        speed_m_per_s += step_s / lag_s * (wanted_m_per_s - speed_m_per_s);
-        tool_m += step_s * speed_m_per_s;
+        speed_m_per_s += substep_s / lag_s * (wanted_m_per_s - speed_m_per_s);
+        tool_m += substep_s * speed_m_per_s;
       }
       out.truth.push_back({time_s, {.depth_m = tool_m, .force_n = force_n}});
       out.record.push_back({time_s,

@@ -170,14 +170,14 @@ class EvaluateAcupoints final : public Verb {
                                       const Times& times) const {
     nlohmann::json table = nlohmann::json::object();
     for (const char* method : acupoint_methods) table[method] = to_json(scores.at(method));
-    const nlohmann::json json{{"acupoints", table},
+    const nlohmann::json told{{"acupoints", table},
                               {"people", bodies.size()},
                               {"scan", scan_},
                               {"label_noise_mm", label_noise_mm_},
                               {"palpated", palpated_json(scores)},
                               {"times", to_json(times)}};
     if (!page_.empty()) {
-      const auto written = write_file(page_, acupoint_page(json, scores, bodies));
+      const auto written = write_file(page_, acupoint_page(told, scores, bodies));
       if (!written) return tl::unexpected(written.error());
     }
     std::string text = fmt::format("{} people, {} scan; millimetres over the seven points\n",
@@ -189,7 +189,7 @@ class EvaluateAcupoints final : public Verb {
         text += fmt::format("{}: {}\n", method, failure);
     }
     text.pop_back();
-    return Answer{.json = json.dump(2), .text = text};
+    return Answer{.json = told.dump(2), .text = text};
   }
 
   /// People whom somebody has felt, or phantoms with something on the back.

@@ -10,7 +10,7 @@
 namespace tuina::app {
 namespace {
 
-constexpr const char* arm = "ur";
+constexpr const char* robot_name = "ur";
 
 std::vector<Choice> loops() {
   std::vector<Choice> all = {{"torque", [](auto&) {}}};
@@ -24,7 +24,7 @@ ControlRow row_of(double force_n, int seeds, std::uint64_t first_seed) {
   ControlRow row{.labels = {}, .runs = {}};
   for (int k = 0; k < seeds; ++k) {
     row.runs.push_back(wrong_world(force_n, first_seed + static_cast<std::uint64_t>(k)));
-    row.runs.back().robot = arm;
+    row.runs.back().robot = robot_name;
   }
   return row;
 }
@@ -80,7 +80,7 @@ ControlTable position_table(int seeds, std::uint64_t first_seed) {
 // What contact must hold, by an arm that takes torques and by the same arm where it takes places.
 ControlTable position_targets_table(ControlTable targets) {
   for (ControlRow& row : targets.rows)
-    for (ContactExperiment& run : row.runs) run.robot = arm;
+    for (ContactExperiment& run : row.runs) run.robot = robot_name;
   return {.name = "position_targets",
           .about = targets.about + " By an arm that takes torques, and where it takes places.",
           .rows = varied(targets.rows, "loop", loops())};

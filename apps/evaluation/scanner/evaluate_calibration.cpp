@@ -29,7 +29,7 @@ constexpr double added_px = 0.1;
 constexpr int draws_of_noise = 3;
 
 /// A true error and what was stated of it, over many sets and draws of noise.
-struct Errors {
+struct CalibrationErrors {
   double sum = 0.0;
   double true2 = 0.0;
   double stated2 = 0.0;
@@ -60,7 +60,7 @@ void visit_fields(Outcome& set, const Visit& visit) {
 }
 
 telemetry::Table error_table(const std::string& name,
-                             const std::map<std::string, Errors>& quantities) {
+                             const std::map<std::string, CalibrationErrors>& quantities) {
   telemetry::Table table{.title = name,
                          .columns = {{.head = "error"},
                                      {.head = "mean", .key = "mean", .digits = 3},
@@ -126,7 +126,7 @@ class EvaluateCalibration final : public Verb {
     const auto config = effective_config(common);
     if (!config) return tl::unexpected(config.error());
     if (auto opened = cells_.open(common, *config); !opened) return tl::unexpected(opened.error());
-    std::map<std::string, std::map<std::string, Errors>> table;
+    std::map<std::string, std::map<std::string, CalibrationErrors>> table;
     const auto bar = progress_bar(common, "evaluate calibration");
     for (int set = 0; set < sets_; ++set) {
       const std::uint64_t seed = common.seed + static_cast<std::uint64_t>(set);
@@ -146,7 +146,7 @@ class EvaluateCalibration final : public Verb {
 
  private:
   [[nodiscard]] Result<Answer> answer(
-      const std::map<std::string, std::map<std::string, Errors>>& table) const {
+      const std::map<std::string, std::map<std::string, CalibrationErrors>>& table) const {
     nlohmann::ordered_json json;
     std::string text;
     for (const auto& [name, quantities] : table) {

@@ -159,14 +159,6 @@ Run run_method(TrialMethod method, const Trial& trial) {
   return {};
 }
 
-double quantile(std::vector<double> values, double share) {
-  std::erase_if(values, [](double value) { return std::isnan(value); });
-  if (values.empty()) return nan;
-  std::sort(values.begin(), values.end());
-  return values[std::min(values.size() - 1,
-                         static_cast<std::size_t>(share * static_cast<double>(values.size())))];
-}
-
 TrialResult summarise(const std::vector<Run>& all) {
   const auto collect = [&](auto member) {
     std::vector<double> values;
@@ -233,6 +225,14 @@ TrialResults run_all(int runs, unsigned threads, const Progress& progress,
 }
 
 }  // namespace
+
+double quantile(std::vector<double> values, double share) {
+  std::erase_if(values, [](double value) { return std::isnan(value); });
+  if (values.empty()) return nan;
+  std::sort(values.begin(), values.end());
+  return values[std::min(values.size() - 1,
+                         static_cast<std::size_t>(share * static_cast<double>(values.size())))];
+}
 
 const char* name_of(TrialMethod method) noexcept {
   switch (method) {

@@ -55,6 +55,9 @@ struct TrialResult {
 };
 inline constexpr double curve_step_s = 0.05;
 
+/// The value that this share of them does not reach; those that are no numbers are left out.
+[[nodiscard]] double quantile(std::vector<double> values, double share);
+
 /// All methods on the same records. Same seed, same result, whatever the number of threads.
 using TrialResults = std::array<TrialResult, trial_methods.size()>;
 [[nodiscard]] TrialResults run_trials(const sim::PressScenario& scenario, const TrialTissue& tissue,

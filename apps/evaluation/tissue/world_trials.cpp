@@ -16,15 +16,15 @@ namespace {
 constexpr double onset_n = 1.5, shown_n = 0.8;
 constexpr std::size_t speed_over = 10;  // samples to either side
 
-struct Run {
+struct WorldRun {
   double error = 0.0, tangent_error = 0.0;
   bool held = false, converged = false;
 };
 
-Run run_one(const sim::WorldPresses& presses) {
+WorldRun run_one(const sim::WorldPresses& presses) {
   tissue::CreepEstimator estimator;
   tissue::PressEstimator tangent;
-  Run run;
+  WorldRun run;
   const auto& [record, truth, last_press] = presses;
   const auto weaker = [](const tissue::TimedPress& a, const tissue::TimedPress& b) {
     return a.press.force_n < b.press.force_n;
@@ -69,18 +69,12 @@ Run run_one(const sim::WorldPresses& presses) {
   return run;
 }
 
-double quantile(std::vector<double> values, double share) {
-  std::sort(values.begin(), values.end());
-  const auto k = static_cast<std::size_t>(share * static_cast<double>(values.size()));
-  return values[std::min(values.size() - 1, k)];
-}
-
 }  // namespace
 
 WorldResult run_world(const sim::TissueWorld& world, int runs, std::uint64_t seed, unsigned threads,
                       const Progress& progress) {
   const std::size_t cases = trial_tissues.size() * sim::ways_of_pressing.size();
-  std::vector<Run> all(cases * static_cast<std::size_t>(runs));
+  std::vector<WorldRun> all(cases * static_cast<std::size_t>(runs));
   const auto try_one = [&](std::size_t i) {
     Random random = make_random(seed + i, world.name);
     const sim::Pressing way = sim::ways_of_pressing[i % sim::ways_of_pressing.size()];
@@ -92,7 +86,7 @@ WorldResult run_world(const sim::TissueWorld& world, int runs, std::uint64_t see
   WorldResult result{.runs = static_cast<int>(all.size())};
   std::vector<double> errors, tangent_errors;
   double held = 0.0, converged = 0.0, wrong = 0.0;
-  for (const Run& run : all) {
+  for (const WorldRun& run : all) {
     errors.push_back(run.error);
     tangent_errors.push_back(run.tangent_error);
     held += run.held;

@@ -12,7 +12,7 @@
 namespace tuina::sim {
 namespace {
 
-constexpr double reference_m = 1.1;  // where LaserScannerOptions::amplitude_dn holds
+constexpr double amplitude_at_m = 1.1;  // where LaserScannerOptions::amplitude_dn holds
 constexpr double fan_half_rad = 20.0_deg;
 constexpr int fan_rays = 1601;  // more than two for each of 640 rows
 constexpr double fan_step_rad = 2.0 * fan_half_rad / (fan_rays - 1);
@@ -49,11 +49,11 @@ LineRenderer::LineRenderer(const Mesh& skin_in_couch, const Mesh& couch,
   if (!options_.stickers.empty()) room_light_.emplace(options_.stickers, options_.room_white_dn);
   // Reference: a white wall facing the camera gives the amplitude of the options.
   const Vector3& normal = truth_.laser_normal_in_camera;
-  const double slant = reference_m / std::abs(normal.x());  // distance along the leaning laser
-  const double pixels_per_ray = truth_.camera.fy_px * slant * fan_step_rad / reference_m;
-  light_at_reference_ = light_of(1.0, reference_m) / pixels_per_ray;
+  const double slant = amplitude_at_m / std::abs(normal.x());  // distance along the leaning laser
+  const double pixels_per_ray = truth_.camera.fy_px * slant * fan_step_rad / amplitude_at_m;
+  light_at_reference_ = light_of(1.0, amplitude_at_m) / pixels_per_ray;
   const double sheet_px =
-      truth_.camera.fx_px * sheet_deviation_m / std::abs(normal.x()) / reference_m;
+      truth_.camera.fx_px * sheet_deviation_m / std::abs(normal.x()) / amplitude_at_m;
   spot_width_px_ =
       std::sqrt(std::max(0.25, options_.width_px * options_.width_px - sheet_px * sheet_px));
 
