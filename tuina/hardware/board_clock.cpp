@@ -10,8 +10,9 @@ namespace {
 constexpr double anchor_every_s = 0.25;
 constexpr std::size_t max_anchors = 120;
 constexpr double max_drift = 0.01;     // a ceramic resonator is good to 0.5 %
+constexpr double usual_drift = 0.003;  // standard deviation, of what is expected before it is seen
 constexpr double max_jump_s = 0.02;    // beside what the round trip leaves open
-constexpr double drift_known_s = 2.0;  // before that the noise of round trips hides the drift
+constexpr double drift_known_s = 2.0;  // before that a slow exchange may still look like drift
 
 }  // namespace
 
@@ -70,8 +71,10 @@ void BoardClock::fit() {
     bb += weight(anchor) * from_s * from_s;
     bh += weight(anchor) * from_s * (anchor.host_s - anchor.board_s - ahead_s);
   }
-  const bool known = anchors_.back().board_s - anchors_.front().board_s >= drift_known_s;
-  const double drift = known && bb > 0.0 ? std::clamp(bh / bb, -max_drift, max_drift) : 0.0;
+  // Least squares with what is expected: while few exchanges, or slow ones, tell of the drift, it
+  // is taken as small.
+  const double drift =
+      std::clamp(bh / (bb + 1.0 / (usual_drift * usual_drift)), -max_drift, max_drift);
   at_host_s_ = at_board_s_ + ahead_s;
   host_per_board_ = 1.0 + drift;
 }
