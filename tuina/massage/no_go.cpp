@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tuina/massage/no_go.hpp"
 
+#include <fmt/format.h>
+
 #include <cmath>
 
 #include "tuina/core/io/file.hpp"
@@ -55,8 +57,11 @@ NoGo entry_of(const TomlTable& table) {
     const Vector3 at = corner ? Vector3((*corner)[0], (*corner)[1], (*corner)[2]) : Vector3::Zero();
     if (corner && at.cwiseAbs().maxCoeff() <= max_m) {
       entry.corners_in_couch.push_back(at);
+    } else if (corner) {
+      table.reject(value, fmt::format("the corner [{}, {}, {}] is not within {} m: it is in metres",
+                                      at.x(), at.y(), at.z(), max_m));
     } else {
-      table.reject(value, "a corner is not three numbers in metres, within 3 m");
+      table.reject(value, "a corner is not three numbers in metres");
     }
   }
   if (entry.corners_in_couch.size() == corners->size() && crosses_itself(entry.corners_in_couch))
