@@ -134,7 +134,7 @@ void add_robot(Drawing& drawing, const sim::Person& person) {
                             mount.base_from_couch.linear() * point.normal_in_couch});
     }
   }
-  const double rail_m = robot::choose_rail(models, mount, goals, ready).rail_m;
+  const double rail_m = robot::choose_rail(models, mount, goals, ready).value_or(0.0);
   for (const Arm arm : both_arms) {
     const auto posture = robot::find_posture(*models[arm], rail_m, goals[arm].front(), ready[arm]);
     const auto kinematics = models[arm]->kinematics(posture.q_rad, rail_m);

@@ -79,18 +79,18 @@ void try_person(const sim::Person& person, const Transform& couch_from_person, T
       if (i < 91 && i % 3 == 0) corners[arm].push_back(goal);
     }
   }
-  const RailPlace rail = choose_rail(arms, mount, corners, ready);
+  const auto rail = choose_rail(arms, mount, corners, ready);
   int missed = 0;
   for (const Arm arm : both_arms) {
     for (const ContactGoal& goal : goals[arm]) {
-      const auto posture = find_posture(*arms[arm], rail.rail_m, goal, ready[arm]);
+      const auto posture = find_posture(*arms[arm], rail.value_or(0.0), goal, ready[arm]);
       ++tally.places;
       if (posture.reach != Reach::reached) {
         if (++missed == 1) {
           const Vector3 at = mount.base_from_couch.inverse() * goal.at_in_base;
           MESSAGE(fmt::format("{} {}: ({:.3f}, {:.3f}, {:.3f}) {}{}", person.name, name_of(arm),
                               at.x(), at.y(), at.z(), explain(posture.reach),
-                              rail.reaches_all() ? "" : "; not all corners are reached"));
+                              rail ? "" : "; " + rail.error().message));
         }
         continue;
       }

@@ -97,11 +97,11 @@ Result<ReadyPlan> make_ready(massage::Plan plan, const body::BackSurface& back,
                 name_of(arm), to_mm(off_m), position);
   }
   // A path may be unreachable from every place of the base; the others are then planned from zero.
-  const robot::RailPlace place =
+  const double dexterous_m =
       robot::choose_rail({.of = {&models[Arm::left], &models[Arm::right]}}, mount,
                          goals_for_rail(ready.plan, base_from_couch, standoff_m), ready.ready_rad,
-                         {.press_depth_m = press_depth_m});
-  const double dexterous_m = place.reaches_all() ? place.rail_m : 0.0;
+                         {.press_depth_m = press_depth_m})
+          .value_or(0.0);
   // Where the tools are most dexterous the arms may collide, so other places are tried too.
   std::vector<double> stands_m;
   const auto offer = [&](double at_m) {

@@ -292,21 +292,22 @@ Result<std::vector<ContactPosture>> follow(const ArmModel& arm, double rail_m,
               to_mm(arm.reach_m() + arm.table().tool_radius_m));
 }
 
-RailPlace choose_rail(const PerArm<const ArmModel*>& arms, const RobotMount& mount,
-                      const PerArm<std::vector<ContactGoal>>& goals,
-                      const PerArm<JointVector>& near_rad, const PostureOptions& options) {
+Result<double> choose_rail(const PerArm<const ArmModel*>& arms, const RobotMount& mount,
+                           const PerArm<std::vector<ContactGoal>>& goals,
+                           const PerArm<JointVector>& near_rad, const PostureOptions& options) {
   constexpr double step_m = 50_mm;
-  RailPlace best{.goals = goals[Arm::left].size() + goals[Arm::right].size()};
-  double best_worth = -1.0;
+  double best_rail_m = 0.0, best_worth = -1.0;
+  std::size_t best_reached = 0;
+  const std::size_t all = goals[Arm::left].size() + goals[Arm::right].size();
   const int steps = static_cast<int>((mount.max_rail_m - mount.min_rail_m + 1e-9) / step_m);
   for (int i = 0; i <= steps; ++i) {
     const double rail_m = mount.min_rail_m + i * step_m;
-    std::size_t reached = 0, left = best.goals;
+    std::size_t reached = 0, left = all;
     double worst = 1e9;
     // A place of the base that cannot become the best any more is not looked at further.
     const auto hopeless = [&] {
-      return reached + left < best.reached ||
-             (reached + left == best.reached && worst <= best_worth);
+      return reached + left < best_reached ||
+             (reached + left == best_reached && worst <= best_worth);
     };
     for (const Arm arm : both_arms) {
       for (const ContactGoal& goal : goals[arm]) {
@@ -321,13 +322,17 @@ RailPlace choose_rail(const PerArm<const ArmModel*>& arms, const RobotMount& mou
         worst = std::min(worst, worth(posture));
       }
     }
-    if (reached > best.reached || (reached == best.reached && reached > 0 && worst > best_worth)) {
-      best.rail_m = rail_m;
-      best.reached = reached;
+    if (reached > best_reached || (reached == best_reached && reached > 0 && worst > best_worth)) {
+      best_rail_m = rail_m;
       best_worth = worst;
+      best_reached = reached;
     }
   }
-  return best;
+  if (best_reached < all) {
+    return fail(Fault::not_found, "the arms reach {} of {} places, best with the base at {:.0f} mm",
+                best_reached, all, to_mm(best_rail_m));
+  }
+  return best_rail_m;
 }
 
 }  // namespace tuina::robot

@@ -63,19 +63,12 @@ struct PostureOptions {
                                                          const JointVector& near_rad,
                                                          const PostureOptions& options = {});
 
-/// A place of the linear base.
-struct RailPlace {
-  double rail_m = 0.0;
-  std::size_t reached = 0;  ///< goals within reach from there
-  std::size_t goals = 0;    ///< of so many
-  [[nodiscard]] bool reaches_all() const { return reached == goals; }
-};
-
-/// The place of the linear base from which the arms reach most of their goals, as dexterous as can
-/// be at the worst of those; zero where they reach none from anywhere.
-[[nodiscard]] RailPlace choose_rail(const PerArm<const ArmModel*>& arms, const RobotMount& mount,
-                                    const PerArm<std::vector<ContactGoal>>& goals,
-                                    const PerArm<JointVector>& near_rad,
-                                    const PostureOptions& options = {});
+/// Place of the linear base, m, at which each arm reaches all its goals, as dexterous as can be at
+/// the worst of them. Fails with how many goals are reached at best, and from where.
+[[nodiscard]] Result<double> choose_rail(const PerArm<const ArmModel*>& arms,
+                                         const RobotMount& mount,
+                                         const PerArm<std::vector<ContactGoal>>& goals,
+                                         const PerArm<JointVector>& near_rad,
+                                         const PostureOptions& options = {});
 
 }  // namespace tuina::robot

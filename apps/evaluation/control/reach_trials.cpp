@@ -136,7 +136,7 @@ ForceAtTool force_at_tool() {
       }
     }
   }
-  const double rail_m = robot::choose_rail(pointers, mount, goals, ready).rail_m;
+  const double rail_m = robot::choose_rail(pointers, mount, goals, ready).value_or(0.0);
   ForceAtTool result{.reach_m = arms[Arm::left].reach_m()};
   std::vector<double> forces;
   for (const Arm arm : both_arms) {
