@@ -32,7 +32,7 @@ section{background:var(--card);border:1px solid var(--line);border-radius:14px;p
 section>p:first-of-type{color:var(--soft)}
 .two{display:grid;grid-template-columns:minmax(0,1.6fr) minmax(0,1fr);gap:30px;align-items:start}
 .even{display:grid;grid-template-columns:1fr 1fr;gap:24px}
-.three{display:grid;grid-template-columns:repeat(3,minmax(0,1fr));gap:20px}
+.three{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,290px),1fr));gap:20px}
 .strip.odd{grid-template-columns:repeat(auto-fill,minmax(300px,1fr))}
 svg{max-width:100%;height:auto;display:block}
 svg.back{width:100%}
